@@ -1,0 +1,24 @@
+"""gaincert: certified gains for bounded leader-follower formation control of differential-drive robots."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+__version__ = "0.1.0"
+
+_HOMES = {
+    "Fleet": "models.fleet",
+    "Vehicle": "models.fleet",
+    "Excitation": "models.excitation",
+    "Gains": "models.gains",
+}
+
+__all__ = [*_HOMES, "__version__"]
+
+
+def __getattr__(name: str) -> Any:
+    """Public names are imported when they are first used: `import gaincert` loads no solver and no plotting."""
+    if name in _HOMES:
+        return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
+    raise AttributeError(f"module 'gaincert' has no attribute {name!r}")

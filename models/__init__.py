@@ -1,0 +1,1 @@
+"""What the paper defines: vehicles, graph, excitation, controller, energies and conditions; no solver, no plot."""

@@ -1,0 +1,74 @@
+"""Exact decimal numbers: in from files, out as text."""
+
+from __future__ import annotations
+
+from decimal import Decimal
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import PlainSerializer, PlainValidator
+from pydantic_core import PydanticCustomError
+
+MAX_DIGITS = 60  # significant digits of a number that is read
+MAX_EXPONENT = 60  # its decimal exponent; both keep exact arithmetic bounded on hostile files
+
+
+def exact(value: Any) -> Fraction:
+    """The number that `value` (int, float, Decimal, Fraction or decimal text) prints as.
+
+    Raises ValueError for anything else, for NaN and infinities, and for numbers of absurd size or length.
+    """
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, str)):
+        raise ValueError("is not a number")
+    if isinstance(value, int) and abs(value) >= 10 ** (MAX_EXPONENT + 1):
+        raise ValueError(f"is larger than 1e{MAX_EXPONENT}")
+    try:
+        number = Decimal(repr(value) if isinstance(value, float) else value)
+    except ArithmeticError:
+        raise ValueError("is not a number") from None
+    if not number.is_finite():
+        raise ValueError("is not finite")
+    if number and (abs(number.adjusted()) > MAX_EXPONENT or len(number.as_tuple().digits) > MAX_DIGITS):
+        raise ValueError(f"has more than {MAX_DIGITS} digits or an exponent beyond {MAX_EXPONENT}")
+    return Fraction(number)
+
+
+def decimal_text(number: Fraction) -> str:
+    """The exact decimal expansion of a fraction whose denominator has no prime factor but 2 and 5.
+
+    Raises ValueError for a fraction that no decimal equals.
+    """
+    twos = (number.denominator & -number.denominator).bit_length() - 1
+    rest, fives = number.denominator >> twos, 0
+    while rest % 5 == 0:
+        rest, fives = rest // 5, fives + 1
+    if rest != 1:
+        raise ValueError(f"{number} is no decimal number")
+    places = max(twos, fives)
+    digits = str(abs(number.numerator) * 10**places // number.denominator).rjust(places + 1, "0")
+    whole, fraction = digits[: len(digits) - places], digits[len(digits) - places :]
+    return ("-" if number < 0 else "") + whole + ("." + fraction if places else "")
+
+
+def _validated(requirement: str, admits: Any) -> PlainValidator:
+    def check(value: Any) -> Fraction:
+        try:
+            number = exact(value)
+        except ValueError as error:
+            raise PydanticCustomError(
+                "number", "{why}; it must be {what}", {"why": str(error), "what": requirement}
+            ) from None
+        if not admits(number):
+            raise PydanticCustomError("number", "must be {what}", {"what": requirement})
+        return number
+
+    return PlainValidator(check)
+
+
+_AS_TEXT = PlainSerializer(decimal_text, return_type=str)
+
+Number = Annotated[Fraction, _validated("a finite number", lambda _: True), _AS_TEXT]
+Positive = Annotated[Fraction, _validated("a number > 0", lambda q: q > 0), _AS_TEXT]
+NotNegative = Annotated[Fraction, _validated("a number >= 0", lambda q: q >= 0), _AS_TEXT]

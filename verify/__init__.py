@@ -1,0 +1,1 @@
+"""Checks what was chosen, and trusts nobody."""
