@@ -10,6 +10,7 @@ from functools import cached_property
 from heapq import heapify, heappop, heappush
 from typing import Any
 
+from .numbers import decimal_text
 from .ops import Array, Ops
 
 BOUND_EXCESS = Fraction(1, 10**9)  # a certified bound exceeds the supremum by at most this fraction of it
@@ -46,11 +47,11 @@ class Excitation:
         cos = self.cos + (Fraction(0),) * (self.harmonics - len(self.cos))
         return [(n, s, c) for n, (s, c) in enumerate(zip(sin, cos, strict=True), 1) if s or c]
 
-    def amplitudes(self) -> list[tuple[float, float]]:
-        """(n w in rad/s, one-sided peak amplitude) of every harmonic that is present."""
+    def phasors(self) -> list[tuple[float, complex]]:
+        """(w in rad/s, A) of the mean and of every harmonic that is present: psi(t) is the sum of Im(A e^(i w t))."""
         scale = 1 / math.pi if self.over_pi else 1.0
-        w = float(self.frequency)
-        return [(n * w, scale * float(s * s + c * c) ** 0.5) for n, s, c in self.coefficients()]
+        tones = [(float(n * self.frequency), scale * complex(s, c)) for n, s, c in self.coefficients()]
+        return [(0.0, complex(0, self.mean)), *tones]
 
     def value(self, ops: Ops, t: Array) -> Array:
         """psi(t) over any algebra; exact over SymPy."""
@@ -61,6 +62,14 @@ class Excitation:
             psi = psi + scale * (ops.number(s) * ops.sin(phase) + ops.number(c) * ops.cos(phase))
         return psi
 
+    def table(self) -> dict[str, Any]:
+        """The [excitation] table of a fleet file that says the same, numbers as exact decimal strings."""
+        common = {"mean": decimal_text(self.mean), "frequency": decimal_text(self.frequency)}
+        if self.terms is not None:
+            return {"family": "square-wave", **common, "terms": self.terms}
+        tones = {"sin": [decimal_text(s) for s in self.sin], "cos": [decimal_text(c) for c in self.cos]}
+        return {"family": "harmonics", **common, **{key: values for key, values in tones.items() if values}}
+
     def derivative(self) -> Excitation:
         """psi'(t), again a Fourier sum."""
         sin, cos = [Fraction(0)] * self.harmonics, [Fraction(0)] * self.harmonics
@@ -69,7 +78,7 @@ class Excitation:
         return Excitation(Fraction(0), self.frequency, tuple(sin), tuple(cos), self.over_pi)
 
     def power(self) -> tuple[Fraction, int]:
-        """(q, j) such that the integral of psi'^2 over one period 2 pi / w is exactly q pi^j, by orthogonality; (12)."""
+        """(q, j): the integral of psi'^2 over one period 2 pi / w, (12), is exactly q pi^j, by orthogonality."""
         squares = sum((n * n * (s * s + c * c) for n, s, c in self.coefficients()), Fraction(0))
         return self.frequency * squares, 1 - 2 * self.over_pi
 

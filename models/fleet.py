@@ -16,7 +16,7 @@ from pydantic_core import PydanticCustomError
 
 from .excitation import Excitation
 from .graph import Graph
-from .numbers import NotNegative, Number, Positive
+from .numbers import NotNegative, Number, Positive, Uncertain, high, low, nominal
 
 if TYPE_CHECKING:
     from .equations import Plant, State
@@ -70,8 +70,8 @@ def _both_wheels(value: Any) -> Any:
 class TorqueLimit(Table):
     """The torque limits of the two wheels, N m."""
 
-    left: Positive
-    right: Positive
+    left: Uncertain
+    right: Uncertain
 
 
 class SpeedLimits(Table):
@@ -82,13 +82,13 @@ class SpeedLimits(Table):
 
 
 class Vehicle(Table):
-    """One differential-drive vehicle."""
+    """One differential-drive vehicle; a physical parameter is a number or an interval [low, high]."""
 
     name: Name
-    mass: Positive  # kg
-    inertia: Positive  # kg m^2, about the centre
-    half_track: Positive  # R, m
-    wheel_radius: Positive  # r, m
+    mass: Uncertain  # kg
+    inertia: Uncertain  # kg m^2, about the centre
+    half_track: Uncertain  # R, m
+    wheel_radius: Uncertain  # r, m
     torque_limit: Annotated[TorqueLimit, BeforeValidator(_both_wheels)]
     offset: Point  # delta, m
     start: Start | None = None
@@ -201,19 +201,25 @@ class Fleet(Table):
 
     @cached_property
     def arm(self) -> Array:
-        """The signed lever arm of the left wheel, m, exact (N,): 2R in (2) as printed, -R on a physical drive."""
-        factor = 2 if self.drive == "paper" else -1
-        return column(factor * vehicle.half_track for vehicle in self.vehicles)
+        """The signed lever arm of the left wheel, m, exact (N,): 2R in (2) as printed, -R on a physical drive.
+
+        Nominal, where only an interval of R is known.
+        """
+        return column(self._arm_sign * nominal(vehicle.half_track) for vehicle in self.vehicles)
+
+    @property
+    def _arm_sign(self) -> int:
+        return 2 if self.drive == "paper" else -1
 
     def plant(self) -> Plant:
-        """The numbers of (1)-(14) as floats."""
+        """The numbers of (1)-(14) as floats; nominal where only an interval is known."""
         from .equations import Plant
 
         return Plant(
             graph=self.graph.map(floats),
-            m=floats(column(v.mass for v in self.vehicles)),
-            inertia=floats(column(v.inertia for v in self.vehicles)),
-            r=floats(column(v.wheel_radius for v in self.vehicles)),
+            m=floats(column(nominal(v.mass) for v in self.vehicles)),
+            inertia=floats(column(nominal(v.inertia) for v in self.vehicles)),
+            r=floats(column(nominal(v.wheel_radius) for v in self.vehicles)),
             arm=floats(self.arm),
             offset_x=floats(column(v.offset[0] for v in self.vehicles)),
             offset_y=floats(column(v.offset[1] for v in self.vehicles)),
@@ -223,15 +229,19 @@ class Fleet(Table):
         )
 
     def limits(self, psi: Excitation) -> Limits:
-        """The numbers of the conditions, exact, for the excitation psi."""
+        """The numbers of the conditions, exact, for the excitation psi; the worst case where parameters are intervals.
+
+        (16) and (16*) say that u_v + u_omega / arm stays below 2 torque / r: the worst case is the smallest arm, the
+        largest r and the smallest torque limit.
+        """
         from .limits import Limits
 
         return Limits(
             degree=self.graph.degree,
             psi_bar=psi.bound,
-            r=column(v.wheel_radius for v in self.vehicles),
-            arm=abs(self.arm),
-            torque=column(min(v.torque_limit.left, v.torque_limit.right) for v in self.vehicles),
+            r=column(high(v.wheel_radius) for v in self.vehicles),
+            arm=column(abs(self._arm_sign) * low(v.half_track) for v in self.vehicles),
+            torque=column(min(low(v.torque_limit.left), low(v.torque_limit.right)) for v in self.vehicles),
             speed=column(v.limits.speed or math.inf for v in self.vehicles),
             turn_rate=column(v.limits.turn_rate or math.inf for v in self.vehicles),
         )
@@ -246,14 +256,21 @@ class Fleet(Table):
         rows = [(*s.position, s.theta, s.v, s.omega) for s in starts if s is not None]
         return State(*np.array(rows, dtype=float).T)
 
+    def content(self) -> dict[str, Any]:
+        """All that a certificate speaks of, in the fleet file's keys: not the name, the leader's pose or the starts."""
+        left_out: Any = {"name": True, "leader": True, "vehicles": {"__all__": {"start"}}}
+        return self.model_dump(mode="json", by_alias=True, exclude=left_out)
+
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of all that a certificate speaks of: not the name, the leader's pose or the starts."""
-        content = self.model_dump(
-            mode="json", exclude={"name": True, "leader": True, "vehicles": {"__all__": {"start"}}}
-        )
-        text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-        return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+        """The digest of the content: what ties a certificate to a fleet file."""
+        return digest_of(self.content())
+
+
+def digest_of(content: dict[str, Any]) -> str:
+    """SHA-256 of a fleet's content, as canonical JSON."""
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
+    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
 
 
 def column(values: Iterable[Any]) -> Array:

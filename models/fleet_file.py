@@ -63,7 +63,7 @@ def parse(content: dict[str, Any], folder: Path = Path()) -> Fleet:
     try:
         fleet = Fleet.model_validate(content)
     except ValidationError as error:
-        mistakes += [line for item in error.errors() for line in _explain(item, content)]
+        mistakes += [line for item in error.errors() for line in explain(item, content)]
         mistakes += [line for line in _raw_graph_mistakes(content) if line not in mistakes]
     if mistakes:
         raise InputError(*mistakes)
@@ -210,7 +210,7 @@ def _raw_graph_mistakes(content: dict[str, Any]) -> list[str]:
     return graph_mistakes(names, edges, links or {}) if well_formed else []
 
 
-def _explain(item: Any, content: dict[str, Any]) -> list[str]:
+def explain(item: Any, content: dict[str, Any]) -> list[str]:
     """The lines of one pydantic error: the thing, its value and what is wanted."""
     kind, value = item["type"], item["input"]
     if kind == "graph":
@@ -297,7 +297,7 @@ def dumps(fleet: Fleet) -> str:
 
 def _entries(table: Table) -> dict[str, Any]:
     """The keys of a table that say something, as they are called in a file."""
-    named = {type(table).model_fields[name].alias or name: value for name, value in table}
+    named = {field.alias or name: getattr(table, name) for name, field in type(table).model_fields.items()}
     return {key: value for key, value in named.items() if value not in (None, (), SpeedLimits())}
 
 

@@ -9,11 +9,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from fractions import Fraction
 from functools import cache
 
-from .gains import Gains
+from .gains import GAIN_NAMES, Gains
 from .ops import Array
 
 
@@ -33,6 +33,7 @@ class Inequality:
     quantity: str  # what `small` is, in words with its unit
     small: Array  # (N,)
     large: Array  # (N,)
+    scaled: tuple[str, ...]  # gains in which `small` is linear and on which `large` does not depend
     strict: bool = False
 
     @property
@@ -58,6 +59,10 @@ class Limits:
     speed: Array  # (N,), m/s, math.inf where none is asked for
     turn_rate: Array  # (N,), rad/s, math.inf where none is asked for
 
+    def map(self, convert: Callable[[Array], Array]) -> Limits:
+        """The same limits with every array converted."""
+        return Limits(*(convert(getattr(self, field.name)) for field in fields(self)))
+
 
 def excitation_bound(numbers: Numbers, limits: Limits, gains: Gains) -> Array:
     """c = sqrt2 k psi_bar D >= |alpha|, N m."""
@@ -77,13 +82,13 @@ def pulling_bound(numbers: Numbers, limits: Limits, gains: Gains) -> Array:
 def damping(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     """(15): c <= d_omega tanh(1)."""
     c = excitation_bound(numbers, limits, gains)
-    return Inequality("(15)", "excitation bound, N m", c, gains.d_omega * numbers.tanh(1))
+    return Inequality("(15)", "excitation bound, N m", c, gains.d_omega * numbers.tanh(1), ("k_alpha",))
 
 
 def strict_damping(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     """(15'): p_omega D + c < d_omega, which bounds the turn rate."""
     small = turning_bound(numbers, limits, gains)
-    return Inequality("(15')", "heading and excitation bound, N m", small, gains.d_omega, strict=True)
+    return Inequality("(15')", "heading and excitation bound, N m", small, gains.d_omega, _TURNING, strict=True)
 
 
 def torque_sum(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
@@ -91,7 +96,8 @@ def torque_sum(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     u_v = gains.d_v + pulling_bound(numbers, limits, gains)
     u_omega = gains.d_omega + turning_bound(numbers, limits, gains)
     small = limits.arm * u_v + u_omega
-    return Inequality("(16)", "lever arm times force, plus moment, N m", small, torque_room(limits), strict=True)
+    quantity = "lever arm times force, plus moment, N m"
+    return Inequality("(16)", quantity, small, torque_room(limits), GAIN_NAMES, strict=True)
 
 
 def torque_room(limits: Limits) -> Array:
@@ -109,23 +115,26 @@ def torque_bound(numbers: Numbers, limits: Limits, gains: Gains) -> Array:
 
 def torque(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     """(16*): T <= min(tau_left, tau_right)."""
-    return Inequality("(16*)", "torque bound, N m", torque_bound(numbers, limits, gains), limits.torque)
+    return Inequality("(16*)", "torque bound, N m", torque_bound(numbers, limits, gains), limits.torque, GAIN_NAMES)
 
 
 def speed(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     """sqrt2 p_v D <= d_v tanh(speed limit): |v| never passes the limit that it starts within."""
     small = pulling_bound(numbers, limits, gains)
-    return Inequality("speed limit", "position error bound, N", small, gains.d_v * numbers.tanh(limits.speed))
+    large = gains.d_v * numbers.tanh(limits.speed)
+    return Inequality("speed limit", "position error bound, N", small, large, ("p_v",))
 
 
 def turn_rate(numbers: Numbers, limits: Limits, gains: Gains) -> Inequality:
     """p_omega D + c <= d_omega tanh(turn rate limit): |omega| never passes the limit that it starts within."""
     small = turning_bound(numbers, limits, gains)
     large = gains.d_omega * numbers.tanh(limits.turn_rate)
-    return Inequality("turn rate limit", "heading and excitation bound, N m", small, large)
+    return Inequality("turn rate limit", "heading and excitation bound, N m", small, large, _TURNING)
 
 
 Condition = Callable[[Numbers, Limits, Gains], Inequality]
+
+_TURNING = ("p_omega", "k_alpha")
 
 
 @cache
@@ -148,14 +157,21 @@ def exact_numbers() -> Numbers:
 
 @cache
 def cvxpy_numbers() -> Numbers:
-    """cvxpy expressions that are affine in the gains: the conditions come out as second-order cones."""
-    import cvxpy as cp
+    """`Elementwise` cvxpy expressions that are affine in the gains: the conditions come out as second-order cones."""
     import numpy as np
 
-    def sqrt2_norm(*parts: Array) -> Array:
-        return math.sqrt(2) * (abs(parts[0]) if len(parts) == 1 else cp.norm(cp.vstack(parts), axis=0))
+    from .elementwise import sqrt2_norm
 
     return Numbers(sqrt2_norm, np.tanh)
+
+
+@cache
+def casadi_numbers() -> Numbers:
+    """CasADi columns."""
+    import casadi as ca
+    import numpy as np
+
+    return Numbers(lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), np.tanh)
 
 
 @cache

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 from fractions import Fraction
-from typing import Annotated, Any
+from typing import Annotated, Any, NamedTuple
 
 from pydantic import PlainSerializer, PlainValidator
 from pydantic_core import PydanticCustomError
@@ -40,6 +40,8 @@ def decimal_text(number: Fraction) -> str:
 
     Raises ValueError for a fraction that no decimal equals.
     """
+    if number.denominator == 1:
+        return str(number.numerator)
     twos = (number.denominator & -number.denominator).bit_length() - 1
     rest, fives = number.denominator >> twos, 0
     while rest % 5 == 0:
@@ -50,6 +52,28 @@ def decimal_text(number: Fraction) -> str:
     digits = str(abs(number.numerator) * 10**places // number.denominator).rjust(places + 1, "0")
     whole, fraction = digits[: len(digits) - places], digits[len(digits) - places :]
     return ("-" if number < 0 else "") + whole + ("." + fraction if places else "")
+
+
+class Interval(NamedTuple):
+    """A parameter of which only bounds are known."""
+
+    low: Fraction
+    high: Fraction
+
+
+def low(parameter: Fraction | Interval) -> Fraction:
+    """The smallest value that a parameter may have."""
+    return parameter.low if isinstance(parameter, Interval) else parameter
+
+
+def high(parameter: Fraction | Interval) -> Fraction:
+    """The largest value that a parameter may have."""
+    return parameter.high if isinstance(parameter, Interval) else parameter
+
+
+def nominal(parameter: Fraction | Interval) -> Fraction:
+    """The value that simulations take: the midpoint of an interval."""
+    return (parameter.low + parameter.high) / 2 if isinstance(parameter, Interval) else parameter
 
 
 def _validated(requirement: str, admits: Any) -> PlainValidator:
@@ -72,3 +96,24 @@ _AS_TEXT = PlainSerializer(decimal_text, return_type=str)
 Number = Annotated[Fraction, _validated("a finite number", lambda _: True), _AS_TEXT]
 Positive = Annotated[Fraction, _validated("a number > 0", lambda q: q > 0), _AS_TEXT]
 NotNegative = Annotated[Fraction, _validated("a number >= 0", lambda q: q >= 0), _AS_TEXT]
+
+
+def _uncertain(value: Any) -> Fraction | Interval:
+    """A positive number, or [low, high] with 0 < low <= high; an interval of one point is that number."""
+    ends = list(value) if isinstance(value, (list, tuple)) else [value]
+    try:
+        numbers = [exact(end) for end in ends]
+    except ValueError as error:
+        raise PydanticCustomError("number", "{why}; it must be a number > 0", {"why": str(error)}) from None
+    if not 1 <= len(numbers) <= 2 or not 0 < numbers[0] <= numbers[-1]:
+        raise PydanticCustomError("number", "must be a number > 0, or [low, high] with 0 < low <= high")
+    return numbers[0] if numbers[0] == numbers[-1] else Interval(*numbers)
+
+
+def _uncertain_text(parameter: Fraction | Interval) -> str | list[str]:
+    return list(map(decimal_text, parameter)) if isinstance(parameter, Interval) else decimal_text(parameter)
+
+
+Uncertain = Annotated[
+    Fraction | Interval, PlainValidator(_uncertain), PlainSerializer(_uncertain_text, return_type=str | list[str])
+]

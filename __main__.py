@@ -1,0 +1,5 @@
+"""`python -m gaincert`."""
+
+from .cli import main
+
+main()

@@ -1,0 +1,522 @@
+"""The command line: parses, calls, prints; no mathematics. Everything heavy is imported by the verb that needs it."""
+
+from __future__ import annotations
+
+import json as json_module
+import math
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from enum import Enum
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from .models.errors import GaincertError
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    from .models.fleet import Fleet
+    from .models.gains_file import GainsFile
+    from .synthesis.rollout import Tolerance
+
+app = typer.Typer(
+    name="gaincert",
+    help="Designs, proves, certifies and simulates the gains of a fleet of differential-drive robots.",
+    no_args_is_help=True,
+    add_completion=False,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+class Template(str, Enum):
+    """Fleets that `init` writes."""
+
+    paper = "paper"
+    line = "line"
+    ring = "ring"
+    turtlebot3 = "turtlebot3"
+
+
+class Mode(str, Enum):
+    """How long to look."""
+
+    fast = "fast"
+    best = "best"
+
+
+class Conditions(str, Enum):
+    """Condition sets."""
+
+    paper = "paper"
+    corrected = "corrected"
+    rate_bounded = "rate-bounded"
+
+
+class Source(str, Enum):
+    """Where psi comes from."""
+
+    given = "given"
+    designed = "designed"
+
+
+class Scheme(str, Enum):
+    """The paper's controller, or its comparison with tanh(s) replaced by s."""
+
+    bounded = "bounded"
+    unbounded = "unbounded"
+
+
+FleetPath = Annotated[Path, typer.Argument(metavar="FLEET.toml", help="the fleet file")]
+GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
+Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the folder that the files are written to")]
+Json = Annotated[bool, typer.Option("--json", help="print one JSON document; messages go to standard error")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="print errors only")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="print more")]
+ConditionsOption = Annotated[Conditions, typer.Option(help="(15) and (16); (16*) alone; (15') and (16*)")]
+ModeOption = Annotated[Mode, typer.Option(help="seconds, or a search within the time limit")]
+ExcitationOption = Annotated[
+    Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given where the file has one]")
+]
+Seed = Annotated[int, typer.Option(min=0, help="of the random starts and of the search")]
+TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock for --mode best")]
+Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
+Horizon = Annotated[float | None, typer.Option(min=0.1, max=1e6, help="s [default: until settled and a while longer]")]
+ToleranceOption = Annotated[tuple[float, float], typer.Option(metavar="M RAD", help="what counts as settled")]
+
+
+class Printer:
+    """Where a verb's words, document and progress go."""
+
+    def __init__(self, json: bool, quiet: bool, verbose: bool) -> None:
+        """Keep the three switches that every verb has."""
+        self.json, self.quiet, self.verbose = json, quiet, verbose
+
+    def say(self, *lines: Any) -> None:
+        """Print for a reader: to standard output, or to standard error where a document is asked for."""
+        if self.quiet:
+            return
+        from rich.console import Console
+
+        console = Console(stderr=self.json, highlight=False, soft_wrap=True)
+        for line in lines:
+            console.print(line, markup=False)
+
+    def detail(self, *lines: Any) -> None:
+        """Print where the reader asked for more."""
+        if self.verbose:
+            self.say(*lines)
+
+    def document(self, content: Any) -> None:
+        """Print the one JSON document, where it is asked for."""
+        if self.json:
+            sys.stdout.write(json_module.dumps(content, indent=1, allow_nan=False) + "\n")
+
+    @contextmanager
+    def progress(self) -> Iterator[Any]:
+        """A progress function: a bar on a terminal, nothing in a pipe."""
+        if self.quiet or not sys.stderr.isatty():
+            yield lambda _what, _fraction: None
+            return
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with Progress(console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("", total=1.0)
+            yield lambda what, fraction: bar.update(task, description=what, completed=fraction)
+
+
+@app.command()
+def init(
+    fleet_path: FleetPath,
+    template: Annotated[Template, typer.Option(help="the kind of fleet")] = Template.paper,
+    vehicles: Annotated[int | None, typer.Option(min=1, max=1_000_000, help="how many, for line and ring")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Write a fleet file to start from."""
+    from .models.errors import InputError
+    from .models.files import write_text
+    from .models.templates import template_text
+
+    printer = Printer(json, quiet, verbose)
+    if fleet_path.exists():
+        raise InputError(f"{fleet_path}: is already there; choose another name or remove it")
+    write_text(fleet_path, template_text(template.value, vehicles))
+    printer.say(f"wrote {fleet_path}; next: gaincert check {fleet_path}")
+    printer.document({"fleet": str(fleet_path), "template": template.value})
+
+
+@app.command()
+def check(fleet_path: FleetPath, json: Json = False, quiet: Quiet = False, verbose: Verbose = False) -> None:
+    """Read a fleet file and say what is in it, or all that is wrong with it."""
+    from .reports.fleet_summary import fleet_summary
+
+    printer = Printer(json, quiet, verbose)
+    summary = fleet_summary(_fleet(fleet_path))
+    printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
+    printer.document(summary)
+
+
+@app.command()
+def prove(
+    folder: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report")] = None,
+    fleet: Annotated[Path | None, typer.Option(metavar="FLEET.toml", help="for its numbers [default: the paper's]")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Check the paper's claims and the corrected theorem symbolically."""
+    printer = Printer(json, quiet, verbose)
+    claims = _prove(printer, None if fleet is None else _fleet(fleet), folder)
+    if not _theorem_holds(claims):
+        raise typer.Exit(1)
+
+
+@app.command()
+def design(
+    fleet_path: FleetPath,
+    folder: Folder,
+    mode: ModeOption = Mode.fast,
+    conditions: ConditionsOption = Conditions.paper,
+    excitation: ExcitationOption = None,
+    seed: Seed = 0,
+    time_limit: TimeLimit = 600.0,
+    digits: Digits = 4,
+    tolerance: ToleranceOption = (0.1, 0.1),
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Choose gains that settle the fleet fast, within the conditions."""
+    printer = Printer(json, quiet, verbose)
+    made = _design(
+        printer, _fleet(fleet_path), mode, conditions, excitation, seed, time_limit, digits, _tolerance(tolerance)
+    )
+    printer.document(_write_design(printer, made, folder))
+
+
+@app.command()
+def certify(
+    fleet_path: FleetPath,
+    gains: GainsPath,
+    folder: Folder,
+    conditions: Annotated[Conditions | None, typer.Option(help="[default: the design's own, else paper]")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Certify gains, whoever chose them."""
+    printer = Printer(json, quiet, verbose)
+    fleet = _fleet(fleet_path)
+    chosen = _gains(gains, fleet)
+    name = conditions.value if conditions else chosen.conditions or "paper"
+    document = _certify(printer, fleet, chosen, name, folder)
+    printer.document(document)
+    if not document["valid"]:
+        raise typer.Exit(1)
+
+
+@app.command()
+def verify(
+    certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE.json")],
+    fleet: Annotated[Path | None, typer.Option(metavar="FLEET.toml", help="also check that it is of this fleet")] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Check a certificate again, with the trusted kernel alone."""
+    from .verify.certificate import verify as verify_file
+
+    printer = Printer(json, quiet, verbose)
+    verdict = verify_file(certificate, None if fleet is None else _fleet(fleet))
+    printer.say(verdict.text)
+    printer.document({"valid": verdict.valid, "verdict": verdict.text})
+    if not verdict.valid:
+        raise typer.Exit(1)
+
+
+@app.command()
+def simulate(
+    fleet_path: FleetPath,
+    gains: GainsPath,
+    folder: Folder,
+    scheme: Annotated[Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")] = Scheme.bounded,
+    horizon: Horizon = None,
+    tolerance: ToleranceOption = (0.1, 0.1),
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Simulate the fleet from its start and draw what happens."""
+    printer = Printer(json, quiet, verbose)
+    fleet = _fleet(fleet_path)
+    summary = _simulate(printer, fleet, _gains(gains, fleet), folder, (scheme,), horizon, _tolerance(tolerance))
+    printer.document(summary)
+    if scheme is Scheme.bounded and summary["peak_torque_ratio"] > 1:
+        raise typer.Exit(1)
+
+
+@app.command()
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="a folder that other verbs wrote to")],
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Gather all that lies in a folder into one HTML report."""
+    from .reports.html import write_report
+
+    printer = Printer(json, quiet, verbose)
+    path = write_report(folder)
+    printer.say(f"report: {path}")
+    printer.document({"report": str(path)})
+
+
+@app.command()
+def run(
+    fleet_path: FleetPath,
+    folder: Folder,
+    mode: ModeOption = Mode.fast,
+    conditions: ConditionsOption = Conditions.paper,
+    excitation: ExcitationOption = None,
+    seed: Seed = 0,
+    time_limit: TimeLimit = 600.0,
+    digits: Digits = 4,
+    horizon: Horizon = None,
+    tolerance: ToleranceOption = (0.1, 0.1),
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Design, certify, prove, simulate and report: the whole job."""
+    from .models.gains_file import GainsFile
+    from .reports.html import write_report
+
+    printer = Printer(json, quiet, verbose)
+    fleet = _fleet(fleet_path)
+    settled = _tolerance(tolerance)
+    made = _design(printer, fleet, mode, conditions, excitation, seed, time_limit, digits, settled)
+    document = {"design": _write_design(printer, made, folder)}
+    chosen = GainsFile(made.gains, made.excitation, conditions.value)
+    document["certificate"] = _certify(printer, fleet, chosen, conditions.value, folder)
+    claims = _prove(Printer(False, printer.quiet or printer.json, False), fleet, folder)
+    if fleet.start() is None:
+        printer.say("simulation: left out, because the fleet file has no start for every vehicle")
+    else:
+        document["summary"] = _simulate(printer, fleet, chosen, folder, tuple(Scheme), horizon, settled)
+    path = write_report(folder)
+    printer.say(f"report: {path}")
+    printer.document({**document, "report": str(path)})
+    broken = document.get("summary", {}).get("peak_torque_ratio", 0) > 1
+    if broken or not document["certificate"]["valid"] or not _theorem_holds(claims):
+        raise typer.Exit(1)
+
+
+# -- what several verbs do --------------------------------------------------------------------------------------------
+
+
+def _fleet(path: Path) -> Fleet:
+    from .models.fleet_file import load
+
+    return load(path)
+
+
+def _gains(path: Path, fleet: Fleet) -> GainsFile:
+    from .models.gains_file import load_gains
+
+    return load_gains(path, fleet)
+
+
+def _tolerance(pair: tuple[float, float]) -> Tolerance:
+    from .models.errors import InputError
+    from .synthesis.rollout import Tolerance
+
+    if not all(math.isfinite(value) and value > 0 for value in pair):
+        raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad)")
+    return Tolerance(*pair)
+
+
+@contextmanager
+def _workers() -> Iterator[Executor | None]:
+    """A process for every core, None where there is one core."""
+    count = os.cpu_count() or 1
+    if count == 1:
+        yield None
+        return
+    import multiprocessing
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
+        yield pool
+
+
+def _design(
+    printer: Printer,
+    fleet: Fleet,
+    mode: Mode,
+    conditions: Conditions,
+    excitation: Source | None,
+    seed: int,
+    time_limit: float,
+    digits: int,
+    tolerance: Tolerance,
+) -> Any:
+    from .synthesis.design import design
+
+    with _workers() as executor, printer.progress() as progress:
+        return design(
+            fleet,
+            conditions=conditions.value,
+            mode=mode.value,
+            excitation=excitation.value if excitation else None,
+            seed=seed,
+            digits=digits,
+            time_limit=time_limit,
+            tolerance=tolerance,
+            executor=executor,
+            progress=progress,
+        )
+
+
+def _write_design(printer: Printer, made: Any, folder: Path) -> dict[str, Any]:
+    from .models.files import write_json
+    from .reports.gain_table import for_terminal, rows, write_csv
+    from .reports.versions import versions
+    from .synthesis.design import as_json
+
+    document = as_json(made, versions())
+    table = rows(made.fleet, made.excitation, made.gains)
+    write_json(folder / "design.json", document)
+    write_csv(folder / "gains.csv", table)
+    times = sorted(made.settling)
+    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
+    printer.say(
+        for_terminal(table),
+        f"conditions {made.conditions.name} ({', '.join(made.conditions.sources)}), found by the {made.origin}",
+        f"psi: {'designed' if made.excitation_designed else 'as given'}, |psi| <= {float(made.excitation.bound):.6g}, "
+        f"{float(made.excitation.frequency):.4g} rad/s",
+        f"settles within {made.tolerance.position:g} m and {made.tolerance.heading:g} rad from {len(times)} starts: "
+        f"median {times[len(times) // 2]:.0f} s, worst {worst}",
+    )
+    if not made.excitation_designed:
+        printer.say("psi was given; --excitation designed may settle faster")
+    printer.detail(f"wrote {folder / 'design.json'} and {folder / 'gains.csv'}")
+    return document
+
+
+def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str, folder: Path) -> dict[str, Any]:
+    from .verify.certificate import certify
+
+    certificate = certify(fleet, chosen.excitation, chosen.gains, conditions)
+    path = folder / "certificate.json"
+    if certificate.valid:
+        certificate.write(path)
+        printer.say(f"certificate: {path}")
+    else:
+        printer.say("not certified:", *certificate.failures)
+    printer.say(*(f"note: {note}" for note in certificate.notes))
+    return {
+        "valid": certificate.valid,
+        "conditions": conditions,
+        "certificate": str(path) if certificate.valid else None,
+        "failures": list(certificate.failures),
+        "notes": list(certificate.notes),
+    }
+
+
+def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None) -> Any:
+    from .reports.proof_report import claims_to_json, write
+    from .verify.proof import prove
+
+    claims = prove(fleet)
+    counts: dict[str, int] = {}
+    for claim in claims:
+        counts[claim.status.name] = counts.get(claim.status.name, 0) + 1
+    printer.say(f"{len(claims)} claims: " + ", ".join(f"{number} {name}" for name, number in sorted(counts.items())))
+    for claim in claims:
+        if printer.verbose or claim.status.name in ("REFUTED", "CORRECTED", "OPEN"):
+            printer.say(f"  {claim.status.name:9} {claim.source}: {claim.reason}")
+    if folder is not None:
+        write(claims, folder)
+        printer.say(f"proof report: {folder / 'proof.html'}")
+    printer.document(claims_to_json(claims))
+    return claims
+
+
+def _theorem_holds(claims: Any) -> bool:
+    from .verify.proof import theorem_holds
+
+    return theorem_holds(claims)
+
+
+def _simulate(
+    printer: Printer,
+    fleet: Fleet,
+    chosen: GainsFile,
+    folder: Path,
+    schemes: tuple[Scheme, ...],
+    horizon: float | None,
+    tolerance: Tolerance,
+) -> dict[str, Any]:
+    """Simulate the schemes, the first to be summarised; write trajectory, summary and figures."""
+    from .models.errors import UndecidedError
+    from .models.files import write_json
+    from .reports.figures import write_figures
+    from .reports.versions import versions
+    from .verify.simulate import simulate, summarize
+
+    runs = {}
+    for scheme in schemes:
+        end = horizon if not runs else float(runs[schemes[0].value].t[-1])
+        try:
+            with printer.progress() as progress:
+                runs[scheme.value] = simulate(
+                    fleet,
+                    chosen.gains,
+                    chosen.excitation,
+                    bounded=scheme is Scheme.bounded,
+                    horizon=end,
+                    tolerance=tolerance,
+                    progress=progress,
+                )
+        except UndecidedError as error:
+            if not runs:
+                raise
+            printer.say(f"{scheme.value} scheme for comparison: {error}")
+    first = runs[schemes[0].value]
+    summary = summarize(fleet, first, tolerance)
+    record = {**summary, "scheme": schemes[0].value, "fleet_digest": fleet.digest, "versions": versions()}
+    first.write(folder / "trajectory.npz")
+    write_json(folder / "summary.json", record)
+    write_figures(fleet, {f"{name} scheme": run for name, run in runs.items()}, folder / "figures")
+    settled = summary["settling_time_s"]
+    printer.say(
+        f"simulation of the {schemes[0].value} scheme: "
+        + (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
+        + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
+        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad",
+        f"figures: {folder / 'figures'}",
+    )
+    return record
+
+
+def main() -> None:
+    """The entry point: an expected failure is one message and an exit code, never a traceback."""
+    try:
+        app()
+    except GaincertError as error:
+        sys.stderr.write(f"error: {error}\n".replace("\n", "\nerror: ").removesuffix("error: "))
+        raise SystemExit(error.exit_code) from None
+    except KeyboardInterrupt:
+        sys.stderr.write("interrupted; every file that was finished is whole\n")
+        raise SystemExit(130) from None
+
+
+if __name__ == "__main__":
+    main()

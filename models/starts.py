@@ -1,0 +1,78 @@
+"""Initial states: random ones around a fleet's own scale, and files of them."""
+
+from __future__ import annotations
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+
+from .equations import State
+from .errors import InputError
+from .fleet import Fleet
+from .fleet_file import MAX_CSV_BYTES, read_text
+from .numbers import exact
+
+COLUMNS = ["start", "vehicle", "x", "y", "theta", "v", "omega"]
+
+
+def scale(fleet: Fleet) -> float:
+    """How far the fleet starts from its goal, m: the largest coordinate difference, or the formation's size if larger.
+
+    A fleet without starts is taken to begin twice its formation's size away, and at least 1 m.
+    """
+    plant = fleet.plant()
+    size = float(np.ptp(plant.offset_x) + np.ptp(plant.offset_y))
+    start = fleet.start()
+    if start is None:
+        return max(1.0, 2 * size)
+    far = [np.abs(start.x - plant.offset_x - plant.leader_x), np.abs(start.y - plant.offset_y - plant.leader_y)]
+    return max(0.1, size, float(np.max(far)))
+
+
+def random_starts(fleet: Fleet, count: int, seed: int, half_width: float | None = None) -> list[State]:
+    """`count` starts at rest: positions uniform in a square around the goal, headings uniform in (-pi, pi).
+
+    `half_width` (m) is half the side of the square; the fleet's own scale where it is None.
+    """
+    plant, half = fleet.plant(), scale(fleet) if half_width is None else half_width
+    rest = np.zeros(len(fleet))
+    starts = []
+    for number in range(count):
+        # One generator per start: start k is the same, however many are drawn.
+        random = np.random.default_rng([seed, number])
+        x, y = random.uniform(-half, half, (2, len(fleet)))
+        theta = random.uniform(-math.pi, math.pi, len(fleet))
+        starts.append(State(plant.leader_x + x, plant.leader_y + y, theta, rest, rest))
+    return starts
+
+
+def load_starts(path: Path, fleet: Fleet) -> list[State]:
+    """The starts of a CSV file with the columns start,vehicle,x,y,theta,v,omega (m, rad, m/s, rad/s).
+
+    Raises InputError where a row is malformed or a start does not name every vehicle once.
+    """
+    rows = csv.DictReader(read_text(path, MAX_CSV_BYTES).splitlines())
+    if list(rows.fieldnames or []) != COLUMNS:
+        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
+    index = {name: i for i, name in enumerate(fleet.names)}
+    found: dict[str, dict[int, list[float]]] = {}
+    for number, row in enumerate(rows, 2):
+        if None in row or None in row.values():
+            raise InputError(f"{path}: row {number} must have {len(COLUMNS)} columns: {','.join(COLUMNS)}")
+        vehicle = index.get(row["vehicle"])
+        if vehicle is None or vehicle in found.setdefault(row["start"], {}):
+            why = "there is no such vehicle" if vehicle is None else "it stands twice"
+            raise InputError(f"{path}: row {number}: start {row['start']!r}, vehicle {row['vehicle']!r}: {why}")
+        try:
+            found[row["start"]][vehicle] = [float(exact(row[key])) for key in COLUMNS[2:]]
+        except ValueError as error:
+            raise InputError(f"{path}: row {number}: a number {error}") from None
+    for name, states in found.items():
+        if len(states) < len(fleet):
+            missing = fleet.names[min(set(range(len(fleet))) - set(states))]
+            raise InputError(f"{path}: start {name!r} has no row for vehicle {missing!r}")
+    if not found:
+        raise InputError(f"{path}: holds no start")
+    return [State(*np.array([states[i] for i in range(len(fleet))]).T) for states in found.values()]

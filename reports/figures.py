@@ -1,0 +1,169 @@
+"""Figures 3-7 of the paper for any fleet, and the energies: both schemes side by side, as SVG and PNG."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.files import write_whole
+from ..models.fleet import Fleet, floats
+from ..models.numbers import low
+from ..verify.simulate import Trajectory
+
+Floats = NDArray[np.float64]
+
+POINTS = 1500  # drawn per line
+LABELLED = 10  # fleets up to this size are labelled vehicle by vehicle
+DRAWN = 60  # vehicles of a large fleet that are drawn
+FLOOR = 1e-6  # of a logarithmic axis
+
+STYLE = {
+    "font.size": 9,
+    "axes.grid": True,
+    "grid.alpha": 0.3,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "gaincert",
+    "figure.constrained_layout.use": True,
+}
+# Okabe and Ito's colours, told apart by colour-blind readers, and two greys.
+COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C6D31", "#7F7F7F", "#5B3A8C")
+
+
+def write_figures(fleet: Fleet, runs: dict[str, Trajectory], folder: Path) -> list[Path]:
+    """Paths, poses, torques and energies of the runs (title -> trajectory), one panel each. SVG and PNG."""
+    import matplotlib as mpl
+    from matplotlib.figure import Figure
+
+    drawings: dict[str, tuple[Callable[[Any, Fleet, Trajectory], None], int]] = {
+        "paths": (_paths, 1),
+        "poses": (_poses, 3),
+        "torques": (_torques, 1),
+        "energies": (_energies, 1),
+    }
+    written = []
+    with mpl.rc_context(STYLE):
+        for name, (draw, rows) in drawings.items():
+            figure = Figure(figsize=(5.2 * len(runs), 4.2 if rows == 1 else 6.6))
+            axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col" if rows > 1 else "none")
+            for panels, (title, run) in zip(axes.T, runs.items(), strict=True):
+                panels[0].set_title(title)
+                draw(panels if rows > 1 else panels[0], fleet, run)
+            written += _save(figure, folder / name)
+    return written
+
+
+def _save(figure: Any, path: Path) -> list[Path]:
+    metadata = {"svg": {"Date": None}, "png": {"Software": None}}
+    return [
+        write_whole(
+            path.with_suffix(f".{kind}"),
+            lambda file, kind=kind: figure.savefig(file, format=kind, dpi=150, metadata=metadata[kind]),  # type: ignore[misc]
+        )
+        for kind in ("svg", "png")
+    ]
+
+
+def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
+    """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
+    for i in _drawn(fleet):
+        keep = _thinned(len(run.t))
+        colour = COLOURS[i % len(COLOURS)]
+        axis.plot(run.state.x[keep, i], run.state.y[keep, i], color=colour, lw=0.9)
+        for k, fill in ((0, "none"), (-1, colour)):
+            x, y, theta = run.state.x[k, i], run.state.y[k, i], run.state.theta[k, i]
+            axis.plot(x, y, "o", mfc=fill, mec=colour, ms=4)
+            axis.annotate(
+                "",
+                (x + 2 * _unit(axis, run) * np.cos(theta), y + 2 * _unit(axis, run) * np.sin(theta)),
+                (x, y),
+                arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.2},
+            )
+        if len(fleet) <= LABELLED:
+            axis.annotate(
+                _plain(fleet.names[i]),
+                (run.state.x[0, i], run.state.y[0, i]),
+                textcoords="offset points",
+                xytext=(5, 5),
+                color=colour,
+            )
+    axis.plot(*(float(value) for value in fleet.leader.position), "k*", ms=9)
+    axis.annotate("leader", fleet.leader.position, textcoords="offset points", xytext=(6, -10))
+    axis.set(xlabel="x / m", ylabel="y / m", aspect="equal")
+    axis.set_adjustable("datalim")
+
+
+def _unit(_axis: Any, run: Trajectory) -> float:
+    """A length that is visible in the picture, m."""
+    spread = max(np.ptp(run.state.x), np.ptp(run.state.y))
+    return float(spread) / 40
+
+
+def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
+    """Figures 5 and 6: position relative to the place in the formation, and heading, against time."""
+    plant = fleet.plant()
+    rows = (
+        (run.state.x - plant.offset_x, plant.leader_x, "x - offset / m"),
+        (run.state.y - plant.offset_y, plant.leader_y, "y - offset / m"),
+        (run.state.theta, plant.leader_theta, "heading / rad"),
+    )
+    keep = _thinned(len(run.t))
+    for axis, (values, goal, label) in zip(axes, rows, strict=True):
+        for i in _drawn(fleet):
+            axis.plot(run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i]))
+        axis.axhline(goal, color="k", lw=0.8, ls="--")
+        axis.set_ylabel(label)
+    axes[-1].set_xlabel("time / s")
+    _legend(axes[0], fleet)
+
+
+def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
+    """Figure 7: the larger wheel torque over its limit; the largest value in each drawn interval, so no peak is lost."""
+    left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
+    right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
+    ratio = np.maximum(np.abs(run.tau_left) / left, np.abs(run.tau_right) / right)
+    t, peaks = _peaks(run.t, ratio)
+    for i in _drawn(fleet):
+        axis.plot(t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i]))
+    axis.axhline(1, color="k", lw=1.2)
+    axis.annotate("torque limit", (0.98, 1), xycoords=("axes fraction", "data"), ha="right", va="bottom")
+    axis.set(xlabel="time / s", ylabel="largest |torque| / limit", yscale="log")
+    _legend(axis, fleet)
+
+
+def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
+    """V of (17), which never rises, and W of (19), which does."""
+    keep = _thinned(len(run.t))
+    for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):
+        axis.plot(run.t[keep], np.maximum(values[keep], FLOOR), color=colour, lw=0.9, label=name)
+    axis.set(xlabel="time / s", ylabel="energy / m or rad", yscale="log")
+    axis.legend(frameon=False, loc="upper right")
+
+
+def _legend(axis: Any, fleet: Fleet) -> None:
+    if len(fleet) <= LABELLED:
+        axis.legend(frameon=False, loc="upper right", ncols=3, fontsize=7)
+
+
+def _drawn(fleet: Fleet) -> list[int]:
+    """The vehicles that are drawn: all, or DRAWN of a large fleet, spread evenly."""
+    return sorted(set(np.linspace(0, len(fleet) - 1, min(len(fleet), DRAWN)).astype(int).tolist()))
+
+
+def _thinned(count: int) -> NDArray[np.intp]:
+    return np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(np.intp))
+
+
+def _peaks(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """The largest of `values` (K, N) in each of at most POINTS intervals."""
+    edges = _thinned(len(t))
+    return t[edges], np.maximum.reduceat(values, edges, axis=0)
+
+
+def _plain(name: str) -> str:
+    """A name that matplotlib does not read as mathematics."""
+    return name.replace("$", r"\$")

@@ -1,0 +1,66 @@
+"""The gain table: gains with their torque bounds and margins, as rows, CSV and for the terminal."""
+
+from __future__ import annotations
+
+import csv
+import io
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from ..models.excitation import Excitation
+from ..models.files import write_text
+from ..models.fleet import Fleet
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.limits import exact_numbers, torque_bound
+from ..models.numbers import decimal_text
+
+COLUMNS = ("vehicle", *GAIN_NAMES, "torque_bound", "torque_limit", "margin")
+DIGITS = 8  # of a torque bound, rounded up
+
+
+def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[dict[str, str]]:
+    """One row per vehicle: exact gains, T of (16*) rounded up, the smaller torque limit, the margin rounded down."""
+    limits = fleet.limits(excitation)
+    bounds = torque_bound(exact_numbers(), limits, gains)
+    table = []
+    for i, name in enumerate(fleet.names):
+        entries = {key: decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES}
+        torques = {
+            "torque_bound": decimal(bounds[i], ROUND_CEILING),
+            "torque_limit": decimal_text(limits.torque[i]),
+            "margin": decimal(limits.torque[i] - bounds[i], ROUND_FLOOR),
+        }
+        table.append({"vehicle": name, **entries, **torques})
+    return table
+
+
+def decimal(value: Fraction, rounding: str, digits: int = DIGITS) -> str:
+    """A fraction as a plain decimal of `digits` significant digits, rounded in the direction asked for."""
+    context = Context(prec=digits, rounding=rounding)
+    return f"{context.divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
+
+
+def write_csv(path: Path, table: list[dict[str, str]]) -> Path:
+    """gains.csv."""
+    text = io.StringIO()
+    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(table)
+    return write_text(path, text.getvalue())
+
+
+def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
+    """A rich table of the first rows."""
+    from rich.table import Table
+    from rich.text import Text
+
+    shown = Table(title="Gains", caption="torque bound (16*), limit and margin in N m")
+    for key in COLUMNS:
+        shown.add_column(key, justify="left" if key == "vehicle" else "right")
+    for row in table[:most]:
+        shown.add_row(*(Text(row[key]) for key in COLUMNS))
+    if len(table) > most:
+        shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
+    return shown

@@ -1,0 +1,194 @@
+"""The averaged program: structured scalars that settle the fleet soonest near the goal, by CasADi and IPOPT.
+
+In the modes U of D^-1 L_l (U^T D U = 1) the responses of THEORY section 3 to a tone w of amplitude A are explicit in the
+six scalars. For y = U eta, with lambda the eigenvalues,
+
+    b = D U (lambda eta),  Theta = h A U (lambda eta / (lambda - mu_omega w^2 + i c w)),
+    X = -U (U^T (Theta b) / (lambda - mu_v w^2 + i e w)),  c(y) = -1/2 sum over tones of Re(conj(Theta) i w X).
+
+The slowest direction sets the tail: the program maximises kappa, the least decay over a set of directions around the
+slowest mode, and adds the times that the approach and the two exponential channels take.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.equations import Plant
+from ..models.excitation import Excitation
+from ..models.graph import Graph
+from ..models.limits import Limits, casadi_numbers
+from .conditions import ConditionSet
+from .rollout import column
+from .structure import INWARD, Scalars, structured
+
+if TYPE_CHECKING:
+    from .design import Task
+
+Floats = NDArray[np.float64]
+
+MODES = 8  # slowest modes that the program sees of a large fleet
+TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
+TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
+STARTS = (
+    Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 0.7),
+    Scalars(0.05, 0.3, 1.0, 0.05, 0.3, 1.0),
+    Scalars(3.0, 2.2, 1.0, 5.0, 0.6, 0.25),
+    Scalars(0.01, 0.1, 1.0, 0.01, 0.1, 1.2),
+)
+
+
+@dataclass(frozen=True)
+class Modes:
+    """The slowest modes of D^-1 L_l."""
+
+    eigenvalues: Floats  # (J,), lambda
+    vectors: Floats  # (N, J), U with U^T D U = 1
+
+
+def modes(graph: Graph, count: int = MODES) -> Modes:
+    """The `count` slowest modes of a graph with float weights."""
+    from scipy.linalg import eigh
+    from scipy.sparse import diags_array
+    from scipy.sparse.linalg import eigsh
+
+    root = diags_array(1 / np.sqrt(graph.degree))
+    normalised = root @ graph.composed_laplacian() @ root
+    if graph.vehicles <= 4 * count:
+        eigenvalues, vectors = eigh(normalised.toarray())
+        eigenvalues, vectors = eigenvalues[:count], vectors[:, :count]
+    else:
+        eigenvalues, vectors = eigsh(normalised.tocsc(), k=count, sigma=0, which="LM", v0=np.ones(graph.vehicles))
+    return Modes(eigenvalues, root @ vectors)
+
+
+def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
+    """The different local optima that IPOPT reports from several starts, each with its predicted settling time in s.
+
+    `distance` (m) is how far the fleet starts from its goal.
+    """
+    optima: list[tuple[Scalars, float]] = []
+    for time_constants in TIME_CONSTANTS:
+        program = AveragedProgram(task, distance=distance, time_constants=time_constants)
+        for start in STARTS:
+            found = program.solve(start)
+            if found and not any(np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
+                optima.append(found)
+    return optima
+
+
+class AveragedProgram:
+    """Minimises the predicted settling time over the logarithms of the scalars and of the two exponential rates."""
+
+    def __init__(
+        self,
+        task: Task,
+        *,
+        distance: float,
+        time_constants: float,
+    ) -> None:
+        """Build the program once; `solve` runs it from a start."""
+        plant, tolerance = task.plant, task.tolerance
+        logs = ca.MX.sym("logs", 10)
+        *values, gamma_omega, gamma_v, kappa, reach = ca.vertsplit(ca.exp(logs))
+        scalars = Scalars(*values)
+        slow = modes(plant.graph)
+        flow = _Flow(slow, plant.graph.degree, task.excitation, scalars)
+        # |y|' = -kappa |y|^3 takes 1 / (2 kappa reach^2) down to |y| = reach; the heading's swing has to settle too.
+        time = 1 / (2 * kappa * reach**2) + _approach(scalars, distance) + time_constants * (1 / gamma_omega + 1 / gamma_v)
+        slowest = float(slow.eigenvalues[0])
+        rows = [
+            1 - reach / tolerance.position,
+            1 - reach * flow.swing() / tolerance.heading,
+            scalars.c - 2 * gamma_omega * scalars.mu_omega,
+            slowest - gamma_omega * scalars.c + gamma_omega**2 * scalars.mu_omega,
+            scalars.e - 2 * gamma_v * scalars.mu_v,
+            slowest - gamma_v * scalars.e + gamma_v**2 * scalars.mu_v,
+            *(flow.decay(direction) / kappa - 1 for direction in _directions(len(slow.eigenvalues))),
+            *_conditions(plant, task.limits, task.conditions, scalars),
+        ]
+        options = {
+            "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-4},
+            "print_time": False,
+            "error_on_fail": False,
+        }
+        self._solver = ca.nlpsol("averaged", "ipopt", {"x": logs, "f": ca.log(time), "g": ca.vertcat(*rows)}, options)
+        low, high = np.log(task.tempo_range)
+        self._lower = np.array([*[-9.0] * 5, low, -9.0, -9.0, -12.0, -9.0])
+        self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
+
+    def solve(self, start: Scalars) -> tuple[Scalars, float] | None:
+        """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one."""
+        x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)
+        solution = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=math.inf)
+        found = np.asarray(solution["x"]).ravel()
+        if not self._solver.stats()["success"] or not np.isfinite(found).all():
+            return None
+        return Scalars.from_logarithms(found[:6]), math.exp(float(solution["f"]))
+
+
+class _Flow:
+    """The averaged cross-track flow in the slow modes, over CasADi."""
+
+    def __init__(self, slow: Modes, degree: Floats, excitation: Excitation, scalars: Scalars) -> None:
+        self._U, self._values, self._degree = ca.DM(slow.vectors), ca.DM(slow.eigenvalues), ca.DM(degree)
+        self._tones = [(scalars.tempo * w, abs(phasor)) for w, phasor in excitation.phasors()]
+        self._scalars = scalars
+
+    def _heading(self, eta: Any, w: Any, amplitude: float) -> tuple[Any, Any]:
+        """Theta, real and imaginary, (N,)."""
+        s = self._scalars
+        real, imaginary = self._values - s.mu_omega * w**2, s.c * w
+        drive = s.h * amplitude * self._values * eta / (real**2 + imaginary**2)
+        return self._U @ (drive * real), -self._U @ (drive * imaginary)
+
+    def swing(self) -> Any:
+        """The largest heading swing of the slowest mode, rad per m of its largest error."""
+        s, slowest = self._scalars, self._values[0]
+        gains = (amplitude / ca.hypot(slowest - s.mu_omega * w**2, s.c * w) for w, amplitude in self._tones)
+        return s.h * slowest * sum(gains)
+
+    def decay(self, eta: Any) -> Any:
+        """The coefficient of |y|' = -kappa |y|^3 at y = U eta, |y| being the root mean square over the degrees."""
+        s, U = self._scalars, self._U
+        b = self._degree * (U @ (self._values * eta))
+        c = 0
+        for w, amplitude in self._tones:
+            theta = self._heading(eta, w, amplitude)
+            real, imaginary = self._values - s.mu_v * w**2, s.e * w
+            size = real**2 + imaginary**2
+            push = [U.T @ (part * b) for part in theta]
+            # X = -U (push / (real + i imaginary)); Re(conj(Theta) i w X) = w (Theta_im X_re - Theta_re X_im)
+            x_real = -U @ ((push[0] * real + push[1] * imaginary) / size)
+            x_imaginary = -U @ ((push[1] * real - push[0] * imaginary) / size)
+            c = c - w * (theta[1] * x_real - theta[0] * x_imaginary) / 2
+        square = ca.sumsqr(eta)  # y^T D y
+        return ca.dot(U @ eta, self._degree * c) * ca.sum1(self._degree) / square**2
+
+
+def _directions(count: int) -> list[Any]:
+    """The slowest mode, and the slowest leaning towards each other one on either side; in modes."""
+    slowest, *others = np.eye(count)
+    return [ca.DM(slowest), *(ca.DM(slowest + sign * TILT * other) for other in others for sign in (1, -1))]
+
+
+def _approach(scalars: Scalars, distance: float) -> Any:
+    """About the time from `distance` under saturated errors, s: swings with friction e, or the terminal speed."""
+    swings = 2 * ca.sqrt(2 * distance * scalars.mu_v) * (1 + 1 / scalars.e)
+    return swings + distance * scalars.e
+
+
+def _conditions(plant: Plant, limits: Limits, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
+    """Every condition for every vehicle as an expression that must be >= 0, relative to its large side."""
+    gains = structured(scalars, plant.map(column), column(limits.degree))
+    numbers = limits.map(column)
+    inequalities = [
+        condition(casadi_numbers(), numbers, gains) for condition in (conditions.torque, *conditions.homogeneous(limits))
+    ]
+    return [INWARD - inequality.small / inequality.large for inequality in inequalities]

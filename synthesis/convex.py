@@ -1,0 +1,40 @@
+"""Candidates from the convex programs: each channel as fast as its share of the torque admits, then made certifiable."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ..models.gains import Gains
+from .program import fastest, nearest, rotation, translation
+
+if TYPE_CHECKING:
+    from .design import Task
+
+DENSE_VEHICLES = 60  # beyond, the matrix inequalities take too long for a candidate
+TRANSLATION_SHARES = (0.3, 0.6)  # of the torque limit
+EXCITATION = 1.0  # sqrt2 k psi_bar / p_omega that the heading channel is given room for
+
+
+def convex_designs(task: Task) -> list[tuple[Gains, float]]:
+    """(gains as floats, tempo of psi) with the fastest certified heading and along-track rates; none for large fleets."""
+    if len(task.fleet) > DENSE_VEHICLES:
+        return []
+    laplacian = task.plant.graph.composed_laplacian().toarray()
+    k_ratio = EXCITATION / (math.sqrt(2) * float(task.limits.psi_bar))
+    designs = []
+    for share in TRANSLATION_SHARES:
+        along = fastest(translation(task.plant, task.limits, share), laplacian)
+        heading = fastest(
+            rotation(task.plant, task.limits, 1 - share, EXCITATION), laplacian, EXCITATION / math.tanh(1)
+        )
+        if along is None or heading is None:
+            continue
+        (gamma_v, p_v, d_v), (_, p_omega, d_omega) = along, heading
+        gains = nearest(task.conditions, task.limits, Gains(p_v, d_v, p_omega, d_omega, k_ratio * p_omega))
+        if gains is not None:
+            # psi moves the vehicles best where the along-track channel still answers: about its own rate.
+            designs.append((gains, float(np.clip(gamma_v, *task.tempo_range))))
+    return designs

@@ -1,0 +1,295 @@
+"""design(fleet): gains that settle the fleet fast, exact and within a condition set."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..models.equations import Plant, State
+from ..models.errors import InfeasibleError, InputError, UndecidedError
+from ..models.excitation import Excitation
+from ..models.fleet import Fleet, floats
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.limits import Inequality, Limits, exact_numbers
+from ..models.numbers import decimal_text
+from ..models.starts import random_starts, scale
+from .conditions import ConditionSet, condition_set
+from .excitation_design import at_frequency, flat_tones
+from .rates import Rates, rates
+from .rollout import Rollout, Tolerance
+from .rounding import decimal_places, rounded
+from .structure import Scalars, structured, within
+
+RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
+FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
+FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
+
+Progress = Callable[[str, float], None]  # what is going on, and the fraction done
+
+
+@dataclass(frozen=True, eq=False)
+class Candidate:
+    """Exact gains with their excitation, and how they came about."""
+
+    origin: str
+    gains: Gains
+    excitation: Excitation
+
+
+@dataclass(frozen=True, eq=False)
+class Design:
+    """Gains for a fleet, exact and within their conditions, with what was predicted and measured of them."""
+
+    fleet: Fleet
+    conditions: ConditionSet
+    excitation: Excitation
+    excitation_designed: bool
+    gains: Gains  # of fractions that are decimals, (N,)
+    origin: str  # the program or search that found them
+    rates: Rates
+    settling: tuple[float, ...]  # s, on the starts that the candidates were ranked on; inf where not settled
+    tolerance: Tolerance
+    mode: str
+    seed: int
+    digits: int
+
+    def inequalities(self) -> list[Inequality]:
+        """The conditions, exact, one entry per vehicle; all hold."""
+        return self.conditions.inequalities(exact_numbers(), self.fleet.limits(self.excitation), self.gains)
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """What every part of a design works on: the fleet in floats, the conditions and the clock's tolerance."""
+
+    fleet: Fleet
+    plant: Plant
+    conditions: ConditionSet
+    excitation: Excitation  # at its own frequency; a designed one at 1 rad/s
+    excitation_designed: bool
+    exact: Limits
+    limits: Limits  # of floats
+    tolerance: Tolerance
+    digits: int
+    seed: int
+
+    def candidate(self, origin: str, scalars: Scalars) -> Candidate:
+        """Rounded gains, and excitation, of scalars. Raises UndecidedError where rounding cannot meet the conditions."""
+        gains = within(self.conditions, self.limits, structured(scalars, self.plant, self.limits.degree))
+        return self.exactly(origin, gains, float(scalars.tempo))
+
+    def exactly(self, origin: str, gains: Gains, tempo: float) -> Candidate:
+        """Float gains rounded inward, with psi at a rounded frequency."""
+        exact = rounded(self.conditions, self.exact, gains, self.digits)
+        if not self.excitation_designed:
+            return Candidate(origin, exact, self.excitation)
+        return Candidate(origin, exact, at_frequency(self.excitation, decimal_places(tempo, self.digits)))
+
+    @property
+    def tempo_range(self) -> tuple[float, float]:
+        """What psi's frequency may be multiplied by."""
+        return FREQUENCY_RANGE if self.excitation_designed else (1.0, 1.0)
+
+    def starts(self, count: int, seed: int) -> list[State]:
+        """The fleet's own start, if it has one, and `count` random ones."""
+        own = self.fleet.start()
+        return [*([] if own is None else [own]), *random_starts(self.fleet, count, seed)]
+
+
+def design(
+    fleet: Fleet,
+    *,
+    conditions: str = "paper",
+    mode: str = "fast",
+    excitation: str | None = None,
+    seed: int = 0,
+    digits: int = 4,
+    time_limit: float = 600.0,
+    tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
+    executor: Executor | None = None,
+    progress: Progress = lambda _what, _fraction: None,
+) -> Design:
+    """Gains for a fleet under a condition set.
+
+    Args:
+        fleet: the fleet.
+        conditions: "paper" for (15) and (16), "corrected" for (16*), "rate-bounded" for (15') and (16*).
+        mode: "fast" for the averaged program ranked by simulation, "best" to search on from there.
+        excitation: "given" or "designed"; None takes the fleet's own where it has one.
+        seed: of the random starts and the search; the same seed gives the same gains.
+        digits: significant digits of every gain.
+        time_limit: s of wall clock for mode "best".
+        tolerance: what counts as settled.
+        executor: where rollouts run; None runs them here.
+        progress: called with what is going on and the fraction done.
+
+    Raises:
+        InputError: for an unknown choice, or a given excitation that is not there.
+        InfeasibleError: where a start already breaks a limit that is to be certified.
+        UndecidedError: where no candidate could be rounded to the digits asked for.
+    """
+    if mode not in ("fast", "best"):
+        raise InputError(f"mode = {mode!r} is not known; choose one of fast, best")
+    task = prepare(fleet, conditions, excitation, seed, digits, tolerance)
+    progress("solving the averaged program", 0.0)
+    candidates, horizon = _candidates(task)
+    best, times = rank(task, candidates, task.starts(RANKING_STARTS, seed), horizon, executor, progress)
+    if mode == "best":
+        from .search import search
+
+        best, times = search(task, best, horizon, time_limit, executor, progress)
+    return Design(
+        fleet=fleet,
+        conditions=task.conditions,
+        excitation=best.excitation,
+        excitation_designed=task.excitation_designed,
+        gains=best.gains,
+        origin=best.origin,
+        rates=rates(task.plant, best.gains.map(floats), best.excitation, tolerance.position, tolerance.heading),
+        settling=tuple(times),
+        tolerance=tolerance,
+        mode=mode,
+        seed=seed,
+        digits=digits,
+    )
+
+
+def prepare(
+    fleet: Fleet, conditions: str, excitation: str | None, seed: int, digits: int, tolerance: Tolerance
+) -> Task:
+    """The task of designing for a fleet. Raises InputError and InfeasibleError."""
+    if excitation not in (None, "given", "designed"):
+        raise InputError(f"excitation = {excitation!r} is not known; choose given or designed")
+    if not 1 <= digits <= 17:
+        raise InputError(f"digits = {digits} must be from 1 to 17")
+    if excitation == "given" and fleet.psi is None:
+        raise InputError("excitation = 'given', but the fleet file has no [excitation] table; add one or ask for designed")
+    _check_starts(fleet)
+    designed = excitation == "designed" or fleet.psi is None
+    psi = flat_tones() if designed or fleet.psi is None else fleet.psi
+    exact = fleet.limits(psi)
+    return Task(
+        fleet, fleet.plant(), condition_set(conditions), psi, designed, exact, exact.map(floats), tolerance, digits, seed
+    )
+
+
+def _check_starts(fleet: Fleet) -> None:
+    """A certified limit holds for a vehicle that starts within it."""
+    mistakes = []
+    for vehicle in fleet.vehicles:
+        if vehicle.start is None:
+            continue
+        pairs = (("v", vehicle.start.v, vehicle.limits.speed), ("omega", vehicle.start.omega, vehicle.limits.turn_rate))
+        for key, value, limit in pairs:
+            if limit is not None and abs(value) > limit:
+                mistakes.append(
+                    f"vehicle {vehicle.name!r}: start {key} = {decimal_text(value)} is beyond its certified limit "
+                    f"{decimal_text(limit)}, which no gains can keep; slow the start or raise the limit"
+                )
+    if mistakes:
+        raise InfeasibleError("\n".join(mistakes))
+
+
+def _candidates(task: Task) -> tuple[list[Candidate], float]:
+    """Rounded candidates from the programs and the fallback, and the horizon that holds their tails."""
+    from .averaged import local_optima
+    from .convex import convex_designs
+
+    found: list[Candidate] = []
+    predicted = []
+    for scalars, time in local_optima(task, distance=scale(task.fleet)):
+        found.append(task.candidate("averaged program", scalars))
+        predicted.append(time)
+    found += [task.exactly("convex programs", gains, tempo) for gains, tempo in convex_designs(task)]
+    found.append(task.candidate("closed form", FALLBACK))
+    horizon = 6 * min(predicted, default=500.0)
+    return found, float(np.clip(horizon, 300.0, 6000.0))
+
+
+def rank(
+    task: Task,
+    candidates: Sequence[Candidate],
+    starts: Sequence[State],
+    horizon: float,
+    executor: Executor | None,
+    progress: Progress,
+) -> tuple[Candidate, list[float]]:
+    """The candidate with the least cost over the starts by simulation, and its settling times (s)."""
+    jobs = [(task.plant, candidate, starts, horizon, task.tolerance) for candidate in candidates]
+    results = executor.map(settle, jobs) if executor else map(settle, jobs)
+    best: tuple[float, Candidate, list[float]] | None = None
+    for number, (candidate, measured) in enumerate(zip(candidates, results, strict=True), 1):
+        progress("ranking candidates by simulation", number / len(candidates))
+        value = cost(measured, horizon)
+        if best is None or value < best[0]:
+            best = value, candidate, [time for time, _ in measured]
+    if best is None:
+        raise UndecidedError("no candidate gains were found; this should not happen, please report the fleet file")
+    return best[1], best[2]
+
+
+Job = tuple[Plant, Candidate, Sequence[State], float, Tolerance]
+
+
+def settle(job: Job) -> list[tuple[float, float]]:
+    """(settling time, excess) from every start: the measurement behind every ranking; runs in any process."""
+    plant, candidate, starts, horizon, tolerance = job
+    rollout = Rollout(plant, candidate.excitation)
+    gains = candidate.gains.map(floats)
+    measured = []
+    for start in starts:
+        try:
+            measured.append(rollout.settling(gains, start, horizon, tolerance))
+        except UndecidedError:  # the integrator gave up: such gains are of no use to anybody
+            measured.append((math.inf, math.inf))
+    return measured
+
+
+def cost(measured: Sequence[tuple[float, float]], horizon: float) -> float:
+    """Mean settling time plus a share of the worst, s; a start that did not settle counts beyond the horizon."""
+    times = [
+        time if math.isfinite(time) else horizon * (1 + math.log(min(max(excess, 1.0), 1e6))) for time, excess in measured
+    ]
+    return statistics.fmean(times) + 0.3 * max(times)
+
+
+def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
+    """The content of design.json; every number that is exact is a decimal string."""
+    margins = {
+        inequality.source: [float(margin) for margin in inequality.margin] for inequality in made.inequalities()
+    }
+    return {
+        "fleet": made.fleet.name,
+        "fleet_digest": made.fleet.digest,
+        "conditions": made.conditions.name,
+        "theorem": made.conditions.theorem,
+        "excitation": made.excitation.table(),
+        "excitation_designed": made.excitation_designed,
+        "psi_bar": decimal_text(made.excitation.bound),
+        "vehicles": made.fleet.names,
+        "gains": {name: [decimal_text(value) for value in getattr(made.gains, name)] for name in GAIN_NAMES},
+        "origin": made.origin,
+        "predicted": {
+            "gamma_omega": made.rates.gamma_omega,
+            "gamma_v": made.rates.gamma_v,
+            "kappa": made.rates.kappa,
+            "tail_time_s": _finite(made.rates.tail_time),
+        },
+        "measured_settling_s": [_finite(time) for time in made.settling],
+        "tolerance": {"position_m": made.tolerance.position, "heading_rad": made.tolerance.heading},
+        "margins": margins,
+        "mode": made.mode,
+        "seed": made.seed,
+        "digits": made.digits,
+        "versions": versions,
+    }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+

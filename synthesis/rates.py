@@ -1,0 +1,122 @@
+"""How fast: the exponential rates of heading and along-track motion, and the cubic flow across the track.
+
+THEORY section 3. Near the goal the heading obeys M th'' + C th' + L_l th = 0 with M = I / p_omega, C = d_omega / p_omega,
+and the along-track errors the same with m, p_v, d_v. The cross-track errors y fall by an algebraic flow y' = -c(y) that
+the excitation causes; c is cubic, so that y ~ t^(-1/2).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.equations import Plant
+from ..models.excitation import Excitation
+from ..models.gains import Gains
+
+Floats = NDArray[np.float64]
+
+SWING_PHASES = 65  # points of a period at which the heading's swing is looked at
+LONGEST_TAIL = 1e7  # s, a tail beyond which counts as never
+
+@dataclass(frozen=True)
+class Rates:
+    """What near the goal says about speed."""
+
+    gamma_omega: float  # 1/s, exponential rate of the headings
+    gamma_v: float  # 1/s, exponential rate along the track
+    kappa: float  # 1/(m^2 s), slowest cross-track coefficient: |y|' = -kappa |y|^3 for the largest |y_i|
+    tail_time: float  # s, cross-track errors from 1 m to the tolerance by the averaged flow
+
+
+def heading_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
+    """M (s^2) and C (s) of the heading channel, (N,)."""
+    return plant.inertia / gains.p_omega, gains.d_omega / gains.p_omega
+
+
+def track_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
+    """M (s^2) and C (s) of the along-track channel, (N,)."""
+    return plant.m / gains.p_v, gains.d_v / gains.p_v
+
+
+def exponential_rate(M: Floats, C: Floats, L: Floats) -> float:
+    """The largest gamma with C - 2 gamma M >= 0 and L - gamma C + gamma^2 M >= 0, which certifies decay as e^(-gamma t).
+
+    M, C (N,) are diagonals, L (N, N) is symmetric positive definite. Bisection on the smallest eigenvalue; the second
+    matrix falls with gamma as long as the first condition holds.
+    """
+    low, high = 0.0, float(np.min(C / (2 * M)))
+    for _ in range(50):
+        middle = (low + high) / 2
+        shifted = L + np.diag(middle * middle * M - middle * C)
+        low, high = (middle, high) if np.linalg.eigvalsh(shifted)[0] >= 0 else (low, middle)
+    return low
+
+
+class CrossTrack:
+    """The averaged motion across the track: y' = -c(y), and the heading swing that it rides on; tone by tone."""
+
+    def __init__(self, plant: Plant, gains: Gains, excitation: Excitation, tempo: float = 1.0) -> None:
+        """Factorise the responses at every tone of psi; `tempo` multiplies its frequency. O(N + E) for sparse graphs."""
+        from scipy.sparse import diags_array
+        from scipy.sparse.linalg import splu
+
+        self._L = plant.graph.composed_laplacian()
+        M_v, C_v = track_coefficients(plant, gains)
+        self._tones = []
+        for frequency, phasor in excitation.phasors():
+            w = tempo * frequency
+            heading = diags_array(gains.p_omega) @ self._L + diags_array(-plant.inertia * w**2 + 1j * w * gains.d_omega)
+            track = self._L + diags_array(-M_v * w**2 + 1j * w * C_v)
+            self._tones.append((w, gains.k_alpha * phasor, splu(heading.tocsc()), splu(track.tocsc())))
+        turns = np.linspace(0, 2 * math.pi, SWING_PHASES) / float(excitation.frequency)
+        self._phases = [np.exp(1j * w * turns)[:, None] for w, _ in excitation.phasors()]
+
+    def flow(self, y: Floats) -> Floats:
+        """c(y), m/s, for cross-track errors y (N,) in m; cubic in y."""
+        b = self._L @ y
+        c = np.zeros(len(y))
+        for w, amplitude, heading, track in self._tones:
+            theta = heading.solve((amplitude * b).astype(complex))
+            x = -track.solve(theta * b)
+            c -= (theta.conj() * 1j * w * x).real / 2
+        return c
+
+    def swing(self, y: Floats) -> Floats:
+        """The largest distance of each heading from theta_l over one period of psi, rad, (N,)."""
+        b = self._L @ y
+        solved = (heading.solve((amplitude * b).astype(complex)) for _, amplitude, heading, _ in self._tones)
+        swings = sum((phase * theta).imag for phase, theta in zip(self._phases, solved, strict=True))
+        return np.asarray(np.max(np.abs(swings), axis=0))
+
+    def time_to(self, start: Floats, position: float, heading: float) -> tuple[float, float]:
+        """(T, kappa): the time until |y| <= position and swing <= heading everywhere, and the coefficient there.
+
+        kappa is that of d|y|/dt = -kappa |y|^3 for the largest entry; (inf, kappa) where the errors do not fall so far.
+        """
+        from scipy.integrate import solve_ivp
+
+        def excess(_: float, y: Floats) -> float:
+            return float(max(np.max(np.abs(y)) / position, np.max(self.swing(y)) / heading)) - 1
+
+        excess.terminal = True  # type: ignore[attr-defined]
+        run = solve_ivp(lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9)
+        y = run.y[:, -1]
+        leading = int(np.argmax(np.abs(y)))
+        kappa = float(self.flow(y)[leading] / y[leading] ** 3)
+        return (float(run.t[-1]) if run.status == 1 else math.inf), kappa
+
+
+def rates(plant: Plant, gains: Gains, excitation: Excitation, position: float = 0.1, heading: float = 0.1) -> Rates:
+    """All rates of a design (gains as floats), for a tolerance in m and rad."""
+    L = plant.graph.composed_laplacian().toarray()
+    tail, kappa = CrossTrack(plant, gains, excitation).time_to(np.ones(plant.graph.vehicles), position, heading)
+    return Rates(
+        gamma_omega=exponential_rate(*heading_coefficients(plant, gains), L),
+        gamma_v=exponential_rate(*track_coefficients(plant, gains), L),
+        kappa=kappa,
+        tail_time=tail,
+    )

@@ -1,0 +1,146 @@
+"""Rollouts of the closed loop by CasADi's CVODES, built once per fleet and excitation, with the gains as parameters."""
+
+from __future__ import annotations
+
+import math
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ..models.equations import Plant, State, closed_loop
+from ..models.errors import UndecidedError
+from ..models.excitation import Excitation
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.ops import casadi_ops, unbounded
+
+Floats = NDArray[np.float64]
+
+SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """What counts as settled: every vehicle within both, from that time on."""
+
+    position: float = 0.1  # m, Euclidean
+    heading: float = 0.1  # rad, not modulo 2 pi
+
+
+class Rollout:
+    """The closed loop of one plant under one excitation, integrated piece by piece for any gains and start."""
+
+    def __init__(
+        self,
+        plant: Plant,
+        excitation: Excitation,
+        *,
+        step: float = 0.25,
+        piece: float = 50.0,
+        reltol: float = 1e-5,
+        abstol: float = 1e-6,
+        bounded: bool = True,
+    ) -> None:
+        """Build the integrator: output every `step` s, in pieces of `piece` s."""
+        self.plant = plant
+        self.vehicles = plant.graph.vehicles
+        self.per_piece = max(1, round(piece / step))
+        self.step = step
+        ops = casadi_ops() if bounded else unbounded(casadi_ops())
+        symbol = ca.SX if self.vehicles <= SX_VEHICLES else ca.MX
+        x = symbol.sym("x", 5 * self.vehicles)
+        p = symbol.sym("p", 5 * self.vehicles + 2)
+        t = symbol.sym("t")
+        *columns, clock = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 2])
+        # psi is read at tempo * (start of the piece + t): pieces and frequencies share one integrator.
+        phase_time = clock[1] * (clock[0] + t)
+        state = State(*ca.vertsplit(x, self.vehicles))
+        rates = closed_loop(ops, plant.map(column), Gains(*columns), excitation, phase_time, state)
+        self._integrator = ca.integrator(
+            "closed_loop",
+            "cvodes",
+            {"x": x, "t": t, "p": p, "ode": ca.vertcat(*rates)},
+            0.0,
+            (step * np.arange(1, self.per_piece + 1)).tolist(),
+            {"reltol": reltol, "abstol": abstol, "max_num_steps": 200_000},
+        )
+
+    def pieces(self, gains: Gains, start: State, tempo: float = 1.0) -> Iterator[tuple[Floats, State]]:
+        """Piece after piece of the solution: times (K,) and states (K, N). Raises UndecidedError where CVODES stalls."""
+        x = np.concatenate(start)
+        columns = np.concatenate([np.asarray(getattr(gains, name), dtype=float) for name in GAIN_NAMES])
+        begin = 0.0
+        while True:
+            try:
+                solved = self._integrator(x0=x, p=np.concatenate([columns, [begin, tempo]]))
+            except RuntimeError as error:
+                raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {_first_line(error)}") from None
+            states = np.asarray(solved["xf"])
+            if not np.isfinite(states).all():
+                raise UndecidedError(f"the integrator returned numbers that are not finite after t = {begin:g} s")
+            x = states[:, -1]
+            yield begin + self.step * np.arange(1, self.per_piece + 1), self._state(states)
+            begin += self.per_piece * self.step
+
+    def _state(self, columns: Any) -> State:
+        blocks = columns.reshape(5, self.vehicles, -1)
+        return State(*(block.T for block in blocks))
+
+    def errors(self, state: State) -> tuple[Floats, Floats]:
+        """The largest position error (m) and heading error (rad) over the fleet, (K,)."""
+        plant = self.plant
+        x = state.x - plant.offset_x - plant.leader_x
+        y = state.y - plant.offset_y - plant.leader_y
+        return np.hypot(x, y).max(axis=-1), np.abs(state.theta - plant.leader_theta).max(axis=-1)
+
+    def excess(self, state: State, tolerance: Tolerance) -> Floats:
+        """The larger of both errors over their tolerances, (K,); settled means at most 1."""
+        position, heading = self.errors(state)
+        return np.maximum(position / tolerance.position, heading / tolerance.heading)
+
+    def settling(
+        self, gains: Gains, start: State, horizon: float, tolerance: Tolerance, tempo: float = 1.0
+    ) -> tuple[float, float]:
+        """(settling time, excess): the time from which all stay within the tolerance, inf where not by the horizon.
+
+        A run that has stayed within it for a whole piece ends there. The excess is the larger of both errors over
+        their tolerances during the last piece.
+        """
+        last_outside, excess = 0.0, math.inf
+        for times, states in self.pieces(gains, start, tempo):
+            ratio = self.excess(states, tolerance)
+            excess = float(ratio.max())
+            outside = np.flatnonzero(ratio > 1)
+            if outside.size:
+                last_outside = float(times[outside[-1]])
+            elif last_outside < times[0]:
+                return last_outside, excess
+            if times[-1] >= horizon:
+                break
+        return (last_outside, excess) if last_outside < times[-1] - self.step else (math.inf, excess)
+
+
+class Deadline:
+    """A wall-clock limit."""
+
+    def __init__(self, seconds: float | None) -> None:
+        self._end = math.inf if seconds is None else time.monotonic() + seconds
+
+    @property
+    def passed(self) -> bool:
+        """Whether the time is up."""
+        return time.monotonic() > self._end
+
+
+def column(values: Any) -> Any:
+    """Numbers as a CasADi column."""
+    return ca.DM(np.asarray(values, dtype=float))
+
+
+def _first_line(error: Exception) -> str:
+    lines = [line for line in str(error).splitlines() if line.strip()]
+    return lines[-1][:200] if lines else "no message"

@@ -1,0 +1,60 @@
+"""Rounds gains inward to printed digits, and checks them exactly."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from decimal import ROUND_FLOOR, Context, Decimal
+from fractions import Fraction
+
+import numpy as np
+
+from ..models.errors import UndecidedError
+from ..models.gains import Gains
+from ..models.limits import Inequality, Limits, exact_numbers
+from ..models.ops import Array
+from .conditions import ConditionSet
+
+
+def rounded(conditions: ConditionSet, limits: Limits, gains: Gains, digits: int) -> Gains:
+    """Exact gains of at most `digits` significant digits that meet the conditions, from float gains that nearly do.
+
+    All gains are rounded down, which the torque limit survives. Rounding a damping gain down may break a homogeneous
+    condition; it is met again by lowering the gains in which its small side is linear. `limits` must be exact.
+    Raises UndecidedError where rounding leaves no gain, because `digits` is too small for the limits.
+    """
+    numbers = exact_numbers()
+    exact = gains.map(lambda column: floor_digits(column, digits))
+    for condition in (conditions.torque, *conditions.homogeneous(limits)):
+        exact = _lowered(exact, condition(numbers, limits, exact), digits)
+    for inequality in conditions.inequalities(numbers, limits, exact):
+        if not np.all(inequality.holds):
+            raise UndecidedError(f"rounding to {digits} digits breaks {inequality.source}; ask for more --digits")
+    return exact
+
+
+def floor_digits(values: Array, digits: int) -> Array:
+    """Positive numbers (N,) rounded down to `digits` significant digits, as an object array of fractions."""
+    context = Context(prec=digits, rounding=ROUND_FLOOR)
+
+    def floor(value: float | Fraction) -> Fraction:
+        exact = Fraction(value)
+        return Fraction(context.divide(Decimal(exact.numerator), Decimal(exact.denominator)))
+
+    return np.frompyfunc(floor, 1, 1)(values)
+
+
+def _lowered(gains: Gains, inequality: Inequality, digits: int) -> Gains:
+    broken = ~np.asarray(inequality.holds, dtype=bool)
+    if not broken.any():
+        return gains
+    # One unit in the last place below large / small makes a strict inequality strict.
+    shrink = 1 - Fraction(1, 10 ** (digits + 2))
+    scale = np.where(broken, inequality.large / inequality.small * shrink, Fraction(1))
+    return replace(gains, **{name: floor_digits(getattr(gains, name) * scale, digits) for name in inequality.scaled})
+
+
+def decimal_places(value: float, digits: int) -> Fraction:
+    """A positive number rounded to `digits` significant digits, to the nearest."""
+    shift = digits - 1 - math.floor(math.log10(value))
+    return Fraction(round(Fraction(value) * Fraction(10) ** shift)) / Fraction(10) ** shift
