@@ -166,7 +166,9 @@ def check(fleet_path: FleetPath, json: Json = False, quiet: Quiet = False, verbo
 @app.command()
 def prove(
     folder: Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report")] = None,
-    fleet: Annotated[Path | None, typer.Option(metavar="FLEET.toml", help="for its numbers [default: the paper's]")] = None,
+    fleet: Annotated[
+        Path | None, typer.Option(metavar="FLEET.toml", help="for its numbers [default: the paper's]")
+    ] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -225,7 +227,9 @@ def certify(
 @app.command()
 def verify(
     certificate: Annotated[Path, typer.Argument(metavar="CERTIFICATE.json")],
-    fleet: Annotated[Path | None, typer.Option(metavar="FLEET.toml", help="also check that it is of this fleet")] = None,
+    fleet: Annotated[
+        Path | None, typer.Option(metavar="FLEET.toml", help="also check that it is of this fleet")
+    ] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -235,8 +239,10 @@ def verify(
 
     printer = Printer(json, quiet, verbose)
     verdict = verify_file(certificate, None if fleet is None else _fleet(fleet))
-    printer.say(verdict.text)
-    printer.document({"valid": verdict.valid, "verdict": verdict.text})
+    printer.say(str(verdict))
+    printer.document(
+        {"valid": verdict.valid, "rule": verdict.rule, "reason": verdict.reason, "theorem": verdict.theorem}
+    )
     if not verdict.valid:
         raise typer.Exit(1)
 
@@ -246,7 +252,9 @@ def simulate(
     fleet_path: FleetPath,
     gains: GainsPath,
     folder: Folder,
-    scheme: Annotated[Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")] = Scheme.bounded,
+    scheme: Annotated[
+        Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")
+    ] = Scheme.bounded,
     horizon: Horizon = None,
     tolerance: ToleranceOption = (0.1, 0.1),
     json: Json = False,
@@ -419,13 +427,15 @@ def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str,
         certificate.write(path)
         printer.say(f"certificate: {path}")
     else:
-        printer.say("not certified:", *certificate.failures)
+        printer.say(
+            "not certified:", *(str(violation) for violation in certificate.violations or (certificate.verdict,))
+        )
     printer.say(*(f"note: {note}" for note in certificate.notes))
     return {
         "valid": certificate.valid,
         "conditions": conditions,
         "certificate": str(path) if certificate.valid else None,
-        "failures": list(certificate.failures),
+        "failures": [str(violation) for violation in certificate.violations],
         "notes": list(certificate.notes),
     }
 
@@ -450,9 +460,9 @@ def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None) -> Any:
 
 
 def _theorem_holds(claims: Any) -> bool:
-    from .verify.proof import theorem_holds
+    from .verify.proof import theorem_proved
 
-    return theorem_holds(claims)
+    return theorem_proved(claims)
 
 
 def _simulate(

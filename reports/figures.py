@@ -49,10 +49,12 @@ def write_figures(fleet: Fleet, runs: dict[str, Trajectory], folder: Path) -> li
     with mpl.rc_context(STYLE):
         for name, (draw, rows) in drawings.items():
             figure = Figure(figsize=(5.2 * len(runs), 4.2 if rows == 1 else 6.6))
-            axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col" if rows > 1 else "none")
+            share = "row" if name in ("torques", "energies") else "none"
+            axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col" if rows > 1 else "none", sharey=share)
             for panels, (title, run) in zip(axes.T, runs.items(), strict=True):
                 panels[0].set_title(title)
                 draw(panels if rows > 1 else panels[0], fleet, run)
+            _legend(figure, axes[0, 0])
             written += _save(figure, folder / name)
     return written
 
@@ -70,19 +72,15 @@ def _save(figure: Any, path: Path) -> list[Path]:
 
 def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
+    keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
     for i in _drawn(fleet):
-        keep = _thinned(len(run.t))
         colour = COLOURS[i % len(COLOURS)]
         axis.plot(run.state.x[keep, i], run.state.y[keep, i], color=colour, lw=0.9)
         for k, fill in ((0, "none"), (-1, colour)):
             x, y, theta = run.state.x[k, i], run.state.y[k, i], run.state.theta[k, i]
             axis.plot(x, y, "o", mfc=fill, mec=colour, ms=4)
-            axis.annotate(
-                "",
-                (x + 2 * _unit(axis, run) * np.cos(theta), y + 2 * _unit(axis, run) * np.sin(theta)),
-                (x, y),
-                arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.2},
-            )
+            tip = (x + unit * np.cos(theta), y + unit * np.sin(theta))
+            axis.annotate("", tip, (x, y), arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.2})
         if len(fleet) <= LABELLED:
             axis.annotate(
                 _plain(fleet.names[i]),
@@ -97,12 +95,6 @@ def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     axis.set_adjustable("datalim")
 
 
-def _unit(_axis: Any, run: Trajectory) -> float:
-    """A length that is visible in the picture, m."""
-    spread = max(np.ptp(run.state.x), np.ptp(run.state.y))
-    return float(spread) / 40
-
-
 def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
     """Figures 5 and 6: position relative to the place in the formation, and heading, against time."""
     plant = fleet.plant()
@@ -114,11 +106,12 @@ def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
     keep = _thinned(len(run.t))
     for axis, (values, goal, label) in zip(axes, rows, strict=True):
         for i in _drawn(fleet):
-            axis.plot(run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i]))
+            axis.plot(
+                run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i])
+            )
         axis.axhline(goal, color="k", lw=0.8, ls="--")
         axis.set_ylabel(label)
     axes[-1].set_xlabel("time / s")
-    _legend(axes[0], fleet)
 
 
 def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
@@ -128,11 +121,12 @@ def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     ratio = np.maximum(np.abs(run.tau_left) / left, np.abs(run.tau_right) / right)
     t, peaks = _peaks(run.t, ratio)
     for i in _drawn(fleet):
-        axis.plot(t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i]))
+        axis.plot(
+            t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i])
+        )
     axis.axhline(1, color="k", lw=1.2)
     axis.annotate("torque limit", (0.98, 1), xycoords=("axes fraction", "data"), ha="right", va="bottom")
     axis.set(xlabel="time / s", ylabel="largest |torque| / limit", yscale="log")
-    _legend(axis, fleet)
 
 
 def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
@@ -140,13 +134,14 @@ def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
     keep = _thinned(len(run.t))
     for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):
         axis.plot(run.t[keep], np.maximum(values[keep], FLOOR), color=colour, lw=0.9, label=name)
-    axis.set(xlabel="time / s", ylabel="energy / m or rad", yscale="log")
-    axis.legend(frameon=False, loc="upper right")
+    axis.set(xlabel="time / s", ylabel="energy", yscale="log")
 
 
-def _legend(axis: Any, fleet: Fleet) -> None:
-    if len(fleet) <= LABELLED:
-        axis.legend(frameon=False, loc="upper right", ncols=3, fontsize=7)
+def _legend(figure: Any, axis: Any) -> None:
+    """One legend below all panels, where the lines are few enough to be told apart."""
+    handles, labels = axis.get_legend_handles_labels()
+    if 0 < len(handles) <= LABELLED:
+        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), frameon=False)
 
 
 def _drawn(fleet: Fleet) -> list[int]:

@@ -53,14 +53,17 @@ def write_csv(path: Path, table: list[dict[str, str]]) -> Path:
 
 def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
     """A rich table of the first rows."""
+    from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
-    shown = Table(title="Gains", caption="torque bound (16*), limit and margin in N m")
+    shown = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), caption="torques in N m; the bound is (16*)")
     for key in COLUMNS:
-        shown.add_column(key, justify="left" if key == "vehicle" else "right")
+        heading = key.removeprefix("torque_")
+        shown.add_column(heading, justify="left" if key == "vehicle" else "right", no_wrap=True)
     for row in table[:most]:
-        shown.add_row(*(Text(row[key]) for key in COLUMNS))
+        torques = (f"{float(row[key]):.4g}" for key in COLUMNS[6:])
+        shown.add_row(*(Text(row[key]) for key in COLUMNS[:6]), *torques)
     if len(table) > most:
         shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
     return shown

@@ -1,0 +1,41 @@
+# Every target sets up what it needs: nothing but Python >= 3.11 with venv has to be there.
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= out/paper
+
+.PHONY: demo test check bench clean
+
+demo: $(VENV)/base
+	$(BIN)/gaincert run examples/paper.toml -o $(OUT)
+	@echo "open $(OUT)/report.html"
+
+test: $(VENV)/test
+	$(BIN)/python -m pytest
+
+check: $(VENV)/dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	mkdir -p build/types && ln -sfn ../.. build/types/gaincert
+	cd build/types && ../../$(BIN)/mypy --config-file ../../pyproject.toml -p gaincert
+
+bench: $(VENV)/test
+	$(BIN)/python -m benchmarks
+
+clean:
+	rm -rf $(VENV) build out
+
+# One environment; the stamps say which extras are in it.
+$(VENV)/base: pyproject.toml
+	$(PYTHON) -c "import sys; sys.exit('gaincert needs Python >= 3.11') if sys.version_info < (3, 11) else None"
+	test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e .
+	touch $@
+
+$(VENV)/test: $(VENV)/base
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	touch $@
+
+$(VENV)/dev: $(VENV)/base
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@

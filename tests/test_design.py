@@ -1,0 +1,175 @@
+"""Designs: within their conditions exactly, rounded as asked, fast as promised."""
+
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from gaincert.models.errors import InfeasibleError, InputError
+from gaincert.models.fleet import Fleet, floats
+from gaincert.models.gains import GAIN_NAMES, Gains
+from gaincert.models.limits import exact_numbers, float_numbers
+from gaincert.models.numbers import decimal_text
+from gaincert.models.paper import paper_fleet, paper_gains
+from gaincert.models.starts import random_starts
+from gaincert.synthesis.conditions import CONDITION_SETS
+from gaincert.synthesis.design import FALLBACK, design, settle
+from gaincert.synthesis.excitation_design import flat_tones
+from gaincert.synthesis.program import fastest, nearest, rotation, translation
+from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
+from gaincert.synthesis.rollout import Tolerance
+from gaincert.synthesis.rounding import floor_digits, rounded
+from gaincert.synthesis.structure import Scalars, structured, within
+
+SETS = list(CONDITION_SETS)
+
+
+@pytest.fixture(scope="module")
+def limited() -> Fleet:
+    """The paper's fleet with speed and turn-rate limits on every vehicle."""
+    fleet = paper_fleet()
+    content = fleet.model_dump(by_alias=True)
+    for vehicle in content["vehicle"]:
+        vehicle["limits"] = {"speed": 3, "turn_rate": 3}
+    return Fleet.model_validate(content)
+
+
+@pytest.mark.parametrize("name", SETS)
+@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("digits", [2, 4, 9])
+def test_any_scalars_become_exact_gains_within_the_conditions(
+    name: str, seed: int, digits: int, limited: Fleet
+) -> None:
+    """The closed form is feasible for every fleet, scalars and digits, and rounding keeps it so."""
+    scalars = Scalars(*np.exp(np.random.default_rng(seed).uniform(-5, 5, 6)))
+    psi = flat_tones()
+    exact = limited.limits(psi)
+    conditions = CONDITION_SETS[name]
+    raw = structured(scalars, limited.plant(), floats(exact.degree))
+    gains = rounded(conditions, exact, within(conditions, exact.map(floats), raw), digits)
+    for inequality in conditions.inequalities(exact_numbers(), exact, gains):
+        assert all(inequality.holds), inequality.source
+    for key in GAIN_NAMES:
+        for value in getattr(gains, key):
+            assert value > 0
+            assert len(decimal_text(value).replace(".", "").strip("0")) <= digits
+
+
+def test_rounding_loses_no_more_than_the_last_digits() -> None:
+    values = np.array([1.23456, 99.9999, 1e-7, 8.0])
+    assert [float(value) for value in floor_digits(values, 3)] == [1.23, 99.9, float(floor_digits(values, 3)[2]), 8]
+    assert all(0 <= Fraction(v) - r <= Fraction(v) / 100 for v, r in zip(values, floor_digits(values, 3), strict=True))
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_nearest_gains_leave_feasible_ones_alone_and_repair_others(name: str) -> None:
+    fleet, conditions = paper_fleet(), CONDITION_SETS[name]
+    limits = fleet.limits(flat_tones()).map(floats)
+    good = within(conditions, limits, structured(FALLBACK, fleet.plant(), limits.degree))
+    same = nearest(conditions, limits, good)
+    assert same is not None
+    for key in GAIN_NAMES:
+        assert getattr(same, key) == pytest.approx(getattr(good, key), rel=1e-4)
+    repaired = nearest(conditions, limits, good.map(lambda column: 1000 * column))
+    assert repaired is not None
+    for inequality in conditions.inequalities(float_numbers(), limits, repaired):
+        assert np.all(inequality.small <= inequality.large * (1 + 1e-6)), inequality.source
+
+
+def test_the_rate_program_reaches_a_rate_that_eigenvalues_confirm() -> None:
+    """Clarabel's gamma is the rate of the gains it returns, and more torque never slows it."""
+    fleet = paper_fleet()
+    plant, limits = fleet.plant(), fleet.limits(flat_tones()).map(floats)
+    laplacian = plant.graph.composed_laplacian().toarray()
+    rates = []
+    for share in (0.1, 0.5, 1.0):
+        found = fastest(translation(plant, limits, share), laplacian)
+        assert found is not None
+        gamma, p, d = found
+        assert exponential_rate(plant.m / p, d / p, laplacian) == pytest.approx(gamma, rel=0.01)
+        assert np.all(limits.r / 2 * (d + np.sqrt(2) * limits.degree * p) <= share * limits.torque * (1 + 1e-6))
+        rates.append(gamma)
+    assert rates == sorted(rates)
+    heading = fastest(rotation(plant, limits, 0.5, 1.0), laplacian, 1.3)
+    assert heading is not None
+    assert np.all(heading[2] >= 1.3 * heading[1] * limits.degree * (1 - 1e-6))
+
+
+def test_certified_rates_are_those_of_the_eigenvalues() -> None:
+    """No mode of M s^2 + C s + L_l decays slower than the certified rate, and the rate is not far below the slowest."""
+    plant, gains = paper_fleet().plant(), paper_gains().map(floats)
+    laplacian = plant.graph.composed_laplacian().toarray()
+    for M, C in (heading_coefficients(plant, gains), track_coefficients(plant, gains)):
+        rate = exponential_rate(M, C, laplacian)
+        companion = np.block([[np.zeros((6, 6)), np.eye(6)], [-laplacian / M[:, None], -np.diag(C / M)]])
+        slowest = -np.linalg.eigvals(companion).real.max()
+        assert 0.8 * slowest <= rate <= slowest * (1 + 1e-9)
+
+
+def test_designed_psi_is_flat_and_has_no_mean() -> None:
+    psi = flat_tones()
+    assert psi.mean == 0
+    assert 0.999 < psi.bound < 1.001
+    assert float(psi.sin[0]) == pytest.approx(1.20711, abs=2e-4)  # THEORY section 3
+    assert psi.persistent
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "own_limit", "other_limit"), [("paper", 600, 1500), ("corrected", 250, 250)])
+def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: float) -> None:
+    """From the paper's start and from four random starts that the design has not seen."""
+    fleet = paper_fleet()
+    made = design(fleet, conditions=name, excitation="designed")
+    assert all(np.all(inequality.holds) for inequality in made.inequalities())
+    start = fleet.start()
+    assert start is not None
+    starts = [start, *random_starts(fleet, 4, seed=1234)]
+    measured = settle((fleet.plant(), made, starts, 2 * other_limit, Tolerance()))  # type: ignore[arg-type]
+    times = [time for time, _ in measured]
+    assert times[0] < own_limit
+    assert max(times) < other_limit
+
+
+@pytest.mark.slow
+def test_the_same_seed_gives_the_same_gains(limited: Fleet) -> None:
+    first, second = (design(limited, conditions="rate-bounded", excitation="designed", seed=3) for _ in range(2))
+    assert all(np.array_equal(getattr(first.gains, key), getattr(second.gains, key)) for key in GAIN_NAMES)
+    assert first.excitation == second.excitation
+    assert {inequality.source for inequality in first.inequalities()} >= {
+        "(15')",
+        "(16*)",
+        "speed limit",
+        "turn rate limit",
+    }
+
+
+@pytest.mark.parametrize(
+    ("wrong", "message"),
+    [
+        ({"conditions": "none"}, "conditions = 'none'"),
+        ({"mode": "slow"}, "mode = 'slow'"),
+        ({"excitation": "none"}, "excitation = 'none'"),
+        ({"digits": 0}, "digits = 0"),
+    ],
+)
+def test_an_unknown_choice_is_named(wrong: dict[str, object], message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        design(paper_fleet(), **wrong)  # type: ignore[arg-type]
+
+
+def test_a_given_psi_has_to_be_there() -> None:
+    fleet = paper_fleet().model_copy(update={"excitation": None})
+    with pytest.raises(InputError, match="no \\[excitation\\] table"):
+        design(fleet, excitation="given")
+
+
+def test_a_start_beyond_its_certified_limit_is_infeasible(limited: Fleet) -> None:
+    content = limited.model_dump(by_alias=True)
+    content["vehicle"][2]["start"]["v"] = 4
+    with pytest.raises(InfeasibleError, match="vehicle 'v3': start v = 4 is beyond its certified limit 3"):
+        design(Fleet.model_validate(content))
+
+
+def test_gains_map_keeps_the_names() -> None:
+    doubled = paper_gains().map(lambda column: 2 * column)
+    assert isinstance(doubled, Gains)
+    assert doubled.p_v[0] == 112
