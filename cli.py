@@ -8,7 +8,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .models.fleet import Fleet
     from .models.gains_file import GainsFile
     from .synthesis.rollout import Tolerance
+    from .verify.simulate import Trajectory
 
 app = typer.Typer(
     name="gaincert",
@@ -33,7 +34,7 @@ app = typer.Typer(
 )
 
 
-class Template(str, Enum):
+class Template(StrEnum):
     """Fleets that `init` writes."""
 
     paper = "paper"
@@ -42,14 +43,14 @@ class Template(str, Enum):
     turtlebot3 = "turtlebot3"
 
 
-class Mode(str, Enum):
+class Mode(StrEnum):
     """How long to look."""
 
     fast = "fast"
     best = "best"
 
 
-class Conditions(str, Enum):
+class Conditions(StrEnum):
     """Condition sets."""
 
     paper = "paper"
@@ -57,14 +58,14 @@ class Conditions(str, Enum):
     rate_bounded = "rate-bounded"
 
 
-class Source(str, Enum):
+class Source(StrEnum):
     """Where psi comes from."""
 
     given = "given"
     designed = "designed"
 
 
-class Scheme(str, Enum):
+class Scheme(StrEnum):
     """The paper's controller, or its comparison with tanh(s) replaced by s."""
 
     bounded = "bounded"
@@ -102,7 +103,9 @@ class Printer:
             return
         from rich.console import Console
 
-        console = Console(stderr=self.json, highlight=False, soft_wrap=True)
+        # In a pipe there is no terminal to fit into: rich would take 80 columns.
+        stream = sys.stderr if self.json else sys.stdout
+        console = Console(file=stream, highlight=False, soft_wrap=True, width=None if stream.isatty() else 120)
         for line in lines:
             console.print(line, markup=False)
 
@@ -481,7 +484,7 @@ def _simulate(
     from .reports.versions import versions
     from .verify.simulate import simulate, summarize
 
-    runs = {}
+    runs: dict[str, Trajectory] = {}
     for scheme in schemes:
         end = horizon if not runs else float(runs[schemes[0].value].t[-1])
         try:

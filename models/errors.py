@@ -10,13 +10,18 @@ class GaincertError(Exception):
 
 
 class InputError(GaincertError):
-    """Bad input; holds every mistake found, one line each."""
+    """Bad input; holds every mistake found, one line each, whatever line breaks or escape codes the input quotes."""
 
     exit_code = 2
 
     def __init__(self, *mistakes: str) -> None:
-        super().__init__("\n".join(mistakes))
-        self.mistakes = mistakes
+        self.mistakes = tuple(map(_one_line, mistakes))
+        super().__init__("\n".join(self.mistakes))
+
+
+def _one_line(text: str) -> str:
+    """The text with every character that is not printable written as its escape."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
 class InfeasibleError(GaincertError):

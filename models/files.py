@@ -27,7 +27,9 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
         Path(temporary).chmod(0o666 & ~_umask())
         Path(temporary).replace(path)
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}; free some space or choose another folder") from None
+        raise InputError(
+            f"{path}: cannot be written: {error.strerror}; free some space or choose another folder"
+        ) from None
     finally:
         Path(temporary).unlink(missing_ok=True)
     return path

@@ -136,7 +136,9 @@ ExcitationTable = Annotated[SquareWave | Harmonics, Field(discriminator="family"
 
 
 def _weighted(value: Any) -> Any:
-    return (*value, 1) if isinstance(value, (list, tuple)) and len(value) == 2 else value
+    if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
+        raise PydanticCustomError("edge", "must be [from, to] or [from, to, weight]")
+    return (*value, 1)[:3]
 
 
 class Links(Table):

@@ -7,6 +7,7 @@ import difflib
 import json
 import re
 import tomllib
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from decimal import Decimal
 from fractions import Fraction
@@ -36,8 +37,10 @@ def read_toml(path: Path) -> dict[str, Any]:
         return tomllib.loads(text, parse_float=Decimal)
     except RecursionError:
         raise InputError(f"{path}: is nested too deeply") from None
-    except (ValueError, ArithmeticError) as error:  # TOMLDecodeError, and integers of thousands of digits
+    except ValueError as error:  # TOMLDecodeError, and integers of thousands of digits
         raise InputError(f"{path}: is not TOML: {error}") from None
+    except ArithmeticError:
+        raise InputError(f"{path}: holds a number whose exponent is beyond all reading; correct it") from None
 
 
 def read_text(path: Path, max_bytes: int) -> str:
@@ -47,10 +50,12 @@ def read_text(path: Path, max_bytes: int) -> str:
             data = file.read(max_bytes + 1)
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
+    except ValueError:
+        raise InputError(f"{path}: cannot be read: the name of a file holds no NUL character") from None
     if len(data) > max_bytes:
         raise InputError(f"{path}: is larger than {max_bytes // 2**20} MiB; put large fleets into CSV tables")
     try:
-        return data.decode("utf-8")
+        return data.decode("utf-8-sig")  # spreadsheets write a byte order mark
     except UnicodeDecodeError:
         raise InputError(f"{path}: is not UTF-8 text") from None
 
@@ -60,6 +65,10 @@ def parse(content: dict[str, Any], folder: Path = Path()) -> Fleet:
     content = _with_tables(content, folder)
     mistakes: list[str] = []
     content = _with_robots(content, folder, mistakes)
+    for name, field in Fleet.model_fields.items():
+        if field.alias and name in content:  # Python code may say links and vehicles, a file says graph and [[vehicle]]
+            mistakes.append(f"unknown key {name!r} (did you mean {field.alias!r}?); correct or remove it")
+            content = {field.alias: content[name], **{key: value for key, value in content.items() if key != name}}
     try:
         fleet = Fleet.model_validate(content)
     except ValidationError as error:
@@ -94,7 +103,12 @@ def _with_tables(content: dict[str, Any], folder: Path) -> dict[str, Any]:
             rows = _read_csv(folder / graph["edges"], ["from", "to", "weight"])
             graph["edges"] = [[row["from"], row["to"], row["weight"]] for row in rows]
         if isinstance(graph.get("leader_links"), str):
-            rows = _read_csv(folder / graph["leader_links"], ["vehicle", "weight"])
+            leaders = folder / graph["leader_links"]
+            rows = _read_csv(leaders, ["vehicle", "weight"])
+            if twice := [
+                name for name, rows_of_it in Counter(row["vehicle"] for row in rows).items() if rows_of_it > 1
+            ]:
+                raise InputError(*(f"{leaders}: vehicle {name!r} stands twice; keep one row" for name in twice))
             graph["leader_links"] = {row["vehicle"]: row["weight"] for row in rows}
     return content
 
@@ -113,7 +127,7 @@ def _read_csv(path: Path, columns: list[str]) -> list[dict[str, str]]:
             raise InputError(f"{path}: the first line must be {','.join(columns)}")
         rows = list(reader)
     except csv.Error as error:
-        raise InputError(f"{path}: line {reader.line_num}: {error}") from None
+        raise InputError(f"{path}: line {reader.reader.line_num}: {error}") from None
     for number, row in enumerate(rows, 2):
         if None in row or None in row.values():
             raise InputError(f"{path}: row {number} must have {len(columns)} columns: {','.join(columns)}")
@@ -219,22 +233,34 @@ def explain(item: Any, content: dict[str, Any]) -> list[str]:
     if kind == "missing":
         return [f"{place}{key} is missing"]
     if kind == "extra_forbidden":
-        return [f"{place}unknown key {key!r}{_suggest(key, _known_keys(item['loc']))}; remove it or correct its name"]
-    if kind == "number" or isinstance(value, (str, int, Decimal)):
+        return [
+            f"{place}unknown key {key!r}{_suggest(item['loc'][-1], _known_keys(item['loc']))}; correct or remove it"
+        ]
+    if kind in ("number", "edge") or isinstance(value, (str, int, Decimal)):
         return [f"{place}{key} = {_shown(value)} {_requirement(item)}"]
     return [f"{place}{key} {_requirement(item)}"]
 
 
 def _requirement(item: Any) -> str:
-    words = str(item["msg"])
-    return (
-        words if item["type"] in ("number", "heading", "constant") else f"is not valid: {words[0].lower()}{words[1:]}"
-    )
+    kind, words = item["type"], str(item["msg"])
+    if kind in ("number", "edge", "heading", "constant"):
+        return words
+    return _WANTED.get(kind, f"is not valid: {words[0].lower()}{words[1:]}")
+
+
+_WANTED = {  # pydantic's words, where they speak of Python
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "string_type": "must be a text in quotes",
+    "tuple_type": "must be a list: [..., ...], or tables under [[...]]",
+    "union_tag_not_found": "must say its family: 'square-wave' or 'harmonics'",
+    "union_tag_invalid": "must have the family 'square-wave' or 'harmonics'",
+}
 
 
 def _place(loc: list[Any], content: dict[str, Any]) -> tuple[str, str]:
     """Where an error lies, in a reader's words, and the key."""
-    parts = [part for part in loc if part not in ("square-wave", "harmonics")]
+    parts = [part for i, part in enumerate(loc) if i > 1 or part not in ("square-wave", "harmonics")]
     if parts[:1] == ["vehicle"] and len(parts) > 1:
         vehicle = content["vehicle"][parts[1]]
         name = vehicle.get("name") if isinstance(vehicle, dict) else None
@@ -272,7 +298,10 @@ def _suggest(word: Any, known: Iterable[str]) -> str:
 
 
 def _shown(value: Any) -> str:
-    text = repr(value) if isinstance(value, str) else str(value)
+    try:
+        text = repr(value) if isinstance(value, str) else str(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply
+        return "(too long to show)"
     return text if len(text) <= 60 else f"{text[:57]}..."
 
 
@@ -315,7 +344,9 @@ def _toml(value: Any) -> str:
         return "{ " + ", ".join(_lines(value)) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(_toml, value)) + "]"
-    return json.dumps(value).replace("\x7f", "\\u007f")  # TOML's basic strings are JSON's, but for DEL
+    return json.dumps(value, ensure_ascii=False).replace(
+        "\x7f", "\\u007f"
+    )  # TOML's basic strings are JSON's, but for DEL
 
 
 _BARE = re.compile(r"[A-Za-z0-9_-]+")

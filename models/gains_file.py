@@ -16,7 +16,7 @@ from pydantic import TypeAdapter, ValidationError
 from .errors import InputError
 from .excitation import Excitation
 from .fleet import ExcitationTable, Fleet, column
-from .fleet_file import MAX_CSV_BYTES, MAX_TOML_BYTES, explain, read_text, read_toml
+from .fleet_file import MAX_CSV_BYTES, explain, read_text, read_toml
 from .gains import GAIN_NAMES, Gains
 from .numbers import exact
 
@@ -110,7 +110,9 @@ def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], m
         try:
             number = exact(entry)
         except ValueError as error:
-            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {str(entry)[:40]!r} {error}; it must be a number > 0")
+            mistakes.append(
+                f"{path}: vehicle {vehicle!r}: {name} = {str(entry)[:40]!r} {error}; it must be a number > 0"
+            )
             continue
         if number <= 0:
             mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {entry} must be > 0")

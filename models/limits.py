@@ -169,9 +169,8 @@ def cvxpy_numbers() -> Numbers:
 def casadi_numbers() -> Numbers:
     """CasADi columns."""
     import casadi as ca
-    import numpy as np
 
-    return Numbers(lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), np.tanh)
+    return Numbers(lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), ca.tanh)
 
 
 @cache

@@ -50,12 +50,12 @@ def template_text(kind: str, vehicles: int | None = None) -> str:
 
 
 def _line(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:
-    """A column behind the leader's point, each vehicle linked to the next two; every third one is led."""
+    """A column behind the leader's point; every vehicle is led, and weakly linked to the next two."""
     names = _names(count)
-    edges = [[names[i], names[j]] for i in range(count) for j in (i + 1, i + 2) if j < count]
+    edges = [[names[i], names[j], "0.2"] for i in range(count) for j in (i + 1, i + 2) if j < count]
     offsets = [(-spacing * i, Fraction(0)) for i in range(count)]
     starts = [(-spacing * i - 3 * spacing, spacing * (2 if i % 2 else -2)) for i in range(count)]
-    return _fleet(name, names, edges, names[::3], robot, offsets, starts)
+    return _fleet(name, names, edges, names, robot, offsets, starts)
 
 
 def _ring(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:

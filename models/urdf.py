@@ -95,6 +95,8 @@ def _body(root: Any, poses: dict[str, tuple[Any, list[float]]], centre: list[flo
         if inertial is None:
             continue
         own = exact(inertial.find("mass").get("value"))
+        if own < 0:
+            raise ValueError(f"link {link.get('name')!r} has the mass {float(own)} kg; it must be >= 0")
         rotation, position = poses[link.get("name")]
         turn, shift = _origin(inertial)
         axis = _product(rotation, turn)[2]  # the vertical in the frame of the inertia tensor

@@ -49,8 +49,8 @@ def write_figures(fleet: Fleet, runs: dict[str, Trajectory], folder: Path) -> li
     with mpl.rc_context(STYLE):
         for name, (draw, rows) in drawings.items():
             figure = Figure(figsize=(5.2 * len(runs), 4.2 if rows == 1 else 6.6))
-            share = "row" if name in ("torques", "energies") else "none"
-            axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col" if rows > 1 else "none", sharey=share)
+            share: Any = "row" if name in ("torques", "energies") else "none"
+            axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col", sharey=share)
             for panels, (title, run) in zip(axes.T, runs.items(), strict=True):
                 panels[0].set_title(title)
                 draw(panels if rows > 1 else panels[0], fleet, run)
@@ -115,7 +115,7 @@ def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
 
 
 def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
-    """Figure 7: the larger wheel torque over its limit; the largest value in each drawn interval, so no peak is lost."""
+    """Figure 7: the larger wheel torque over its limit; the largest in each drawn interval, so no peak is lost."""
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
     ratio = np.maximum(np.abs(run.tau_left) / left, np.abs(run.tau_right) / right)

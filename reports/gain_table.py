@@ -57,13 +57,14 @@ def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
     from rich.table import Table
     from rich.text import Text
 
-    shown = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0), caption="torques in N m; the bound is (16*)")
+    shown = Table(
+        box=SIMPLE_HEAD, padding=(0, 1, 0, 0), caption="torques in N m, the bound is (16*); exact gains in gains.csv"
+    )
     for key in COLUMNS:
         heading = key.removeprefix("torque_")
         shown.add_column(heading, justify="left" if key == "vehicle" else "right", no_wrap=True)
     for row in table[:most]:
-        torques = (f"{float(row[key]):.4g}" for key in COLUMNS[6:])
-        shown.add_row(*(Text(row[key]) for key in COLUMNS[:6]), *torques)
+        shown.add_row(Text(row["vehicle"]), *(f"{float(row[key]):.4g}" for key in COLUMNS[1:]))
     if len(table) > most:
         shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
     return shown

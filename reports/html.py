@@ -14,7 +14,7 @@ from ..models.fleet_file import MAX_CSV_BYTES, read_text
 
 SHOWN = 200  # vehicles in the gain table of the report
 CAPTIONS = {
-    "paths": "Paths on the plane; open dots are starts, filled dots ends, arrows headings (figures 3 and 4 of the paper).",
+    "paths": "Paths on the plane; open dots are starts, filled dots ends, arrows headings (figures 3, 4 of the paper).",
     "poses": "Poses against time; dashed lines are the goal (figures 5 and 6).",
     "torques": "The larger wheel torque of each vehicle over its limit (figure 7).",
     "energies": "The energies V of (17) and W of (19); under the bounded scheme V never rises.",

@@ -1,3 +1,4 @@
+# ruff: noqa: RUF001 -- Greek letters are what this table is for
 """How the symbols of the proof are typeset: one table for LaTeX and MathML."""
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def mathml(expression: Any) -> str:
         def _print_Symbol(self, symbol: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
             return _mathml_symbol(self.dom, symbol.name)
 
-    printer = Printer({"mul_symbol": "&#x2009;"})
+    printer = Printer()
     body = printer._print(_logarithms(expression))
     return f'<math display="inline" displaystyle="true"><mrow>{body.toxml()}</mrow></math>'
 

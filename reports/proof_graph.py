@@ -81,7 +81,8 @@ def _edge(start: tuple[float, float], end: tuple[float, float], heavy: bool) -> 
     bend = max(24.0, (x2 - x1) / 2)
     style = ("#3c3c3c", 1.1, 0.75) if heavy else ("#9a9a9a", 0.8, 0.45)
     return (
-        f'<path d="M{x1:.0f} {y1:.0f} C{x1 + bend:.0f} {y1:.0f} {x2 - bend:.0f} {y2:.0f} {x2:.0f} {y2:.0f}" fill="none" '
+        f'<path d="M{x1:.0f} {y1:.0f} C{x1 + bend:.0f} {y1:.0f} {x2 - bend:.0f} {y2:.0f} {x2:.0f} {y2:.0f}" '
+        f'fill="none" '
         f'stroke="{style[0]}" stroke-width="{style[1]}" stroke-opacity="{style[2]}"/>'
     )
 

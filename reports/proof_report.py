@@ -47,7 +47,7 @@ def _as_dict(claim: Claim) -> dict[str, Any]:
         "source": claim.source,
         "statement": claim.statement,
         "status": claim.status.name,
-        "method": claim.method,
+        "method": f"{claim.method}; second method: {claim.second}" if claim.second else claim.method,
         "reason": claim.reason,
         "group": claim.group,
         "needs": list(claim.needs),
@@ -102,7 +102,7 @@ def _safe_mathml(expression: Any) -> Any:
 _TEX = {
     "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "^": r"\textasciicircum{}", "&": r"\&", "%": r"\%",
     "$": r"\$", "#": r"\#", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}",
-    '"': r"\textquotedbl{}", "\n": " ", "\r": " ", "-": "{-}",
+    '"': "''", "\n": " ", "\r": " ", "-": "{-}",
 }  # fmt: skip
 
 
@@ -113,5 +113,5 @@ def tex_text(text: str) -> str:
 
 def markdown_text(text: str) -> str:
     """Plain text for Markdown: markup and HTML escaped, one line."""
-    return re.sub(r"([\\`*_{}\[\]<>#|~&$])", r"\\\1", " ".join(str(text).split()))
-
+    line = " ".join(str(text).split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    return re.sub(r"([\\`*_{}\[\]#|~$])", r"\\\1", line)

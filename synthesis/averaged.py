@@ -1,7 +1,7 @@
 """The averaged program: structured scalars that settle the fleet soonest near the goal, by CasADi and IPOPT.
 
-In the modes U of D^-1 L_l (U^T D U = 1) the responses of THEORY section 3 to a tone w of amplitude A are explicit in the
-six scalars. For y = U eta, with lambda the eigenvalues,
+In the modes U of D^-1 L_l (U^T D U = 1) the responses of THEORY section 3 to a tone w of amplitude A are explicit in
+the six scalars. For y = U eta, with lambda the eigenvalues,
 
     b = D U (lambda eta),  Theta = h A U (lambda eta / (lambda - mu_omega w^2 + i c w)),
     X = -U (U^T (Theta b) / (lambda - mu_v w^2 + i e w)),  c(y) = -1/2 sum over tones of Re(conj(Theta) i w X).
@@ -78,7 +78,9 @@ def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
         program = AveragedProgram(task, distance=distance, time_constants=time_constants)
         for start in STARTS:
             found = program.solve(start)
-            if found and not any(np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
+            if found and not any(
+                np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima
+            ):
                 optima.append(found)
     return optima
 
@@ -101,7 +103,9 @@ class AveragedProgram:
         slow = modes(plant.graph)
         flow = _Flow(slow, plant.graph.degree, task.excitation, scalars)
         # |y|' = -kappa |y|^3 takes 1 / (2 kappa reach^2) down to |y| = reach; the heading's swing has to settle too.
-        time = 1 / (2 * kappa * reach**2) + _approach(scalars, distance) + time_constants * (1 / gamma_omega + 1 / gamma_v)
+        time = (
+            1 / (2 * kappa * reach**2) + _approach(scalars, distance) + time_constants * (1 / gamma_omega + 1 / gamma_v)
+        )
         slowest = float(slow.eigenvalues[0])
         rows = [
             1 - reach / tolerance.position,
@@ -189,6 +193,7 @@ def _conditions(plant: Plant, limits: Limits, conditions: ConditionSet, scalars:
     gains = structured(scalars, plant.map(column), column(limits.degree))
     numbers = limits.map(column)
     inequalities = [
-        condition(casadi_numbers(), numbers, gains) for condition in (conditions.torque, *conditions.homogeneous(limits))
+        condition(casadi_numbers(), numbers, gains)
+        for condition in (conditions.torque, *conditions.homogeneous(limits))
     ]
     return [INWARD - inequality.small / inequality.large for inequality in inequalities]

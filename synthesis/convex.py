@@ -1,4 +1,4 @@
-"""Candidates from the convex programs: each channel as fast as its share of the torque admits, then made certifiable."""
+"""Candidates from the convex programs: each channel as fast as its share of the torque admits."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ EXCITATION = 1.0  # sqrt2 k psi_bar / p_omega that the heading channel is given 
 
 
 def convex_designs(task: Task) -> list[tuple[Gains, float]]:
-    """(gains as floats, tempo of psi) with the fastest certified heading and along-track rates; none for large fleets."""
+    """(gains as floats, tempo of psi) with the fastest heading and along-track rates; none for large fleets."""
     if len(task.fleet) > DENSE_VEHICLES:
         return []
     laplacian = task.plant.graph.composed_laplacian().toarray()

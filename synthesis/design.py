@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import math
-import statistics
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..models.equations import Plant, State
-from ..models.errors import InfeasibleError, InputError, UndecidedError
+from ..models.errors import InfeasibleError, InputError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet, floats
 from ..models.gains import GAIN_NAMES, Gains
@@ -20,12 +19,14 @@ from ..models.numbers import decimal_text
 from ..models.starts import random_starts, scale
 from .conditions import ConditionSet, condition_set
 from .excitation_design import at_frequency, flat_tones
+from .measure import cost, measure_all
 from .rates import Rates, rates
-from .rollout import Rollout, Tolerance
+from .rollout import Tolerance
 from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
+LONGEST = 20_000.0  # s, of a rollout
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
 
@@ -39,6 +40,7 @@ class Candidate:
     origin: str
     gains: Gains
     excitation: Excitation
+    scalars: Scalars | None = None  # where they came from six of them
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,9 +81,9 @@ class Task:
     seed: int
 
     def candidate(self, origin: str, scalars: Scalars) -> Candidate:
-        """Rounded gains, and excitation, of scalars. Raises UndecidedError where rounding cannot meet the conditions."""
+        """Rounded gains and excitation of scalars. Raises UndecidedError where rounding cannot keep the conditions."""
         gains = within(self.conditions, self.limits, structured(scalars, self.plant, self.limits.degree))
-        return self.exactly(origin, gains, float(scalars.tempo))
+        return replace(self.exactly(origin, gains, float(scalars.tempo)), scalars=scalars)
 
     def exactly(self, origin: str, gains: Gains, tempo: float) -> Candidate:
         """Float gains rounded inward, with psi at a rounded frequency."""
@@ -132,17 +134,21 @@ def design(
         InputError: for an unknown choice, or a given excitation that is not there.
         InfeasibleError: where a start already breaks a limit that is to be certified.
         UndecidedError: where no candidate could be rounded to the digits asked for.
+
     """
     if mode not in ("fast", "best"):
         raise InputError(f"mode = {mode!r} is not known; choose one of fast, best")
     task = prepare(fleet, conditions, excitation, seed, digits, tolerance)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    best, times = rank(task, candidates, task.starts(RANKING_STARTS, seed), horizon, executor, progress)
+    starts = task.starts(RANKING_STARTS, seed)
+    ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best":
         from .search import search
 
-        best, times = search(task, best, horizon, time_limit, executor, progress)
+        finalists = search(task, ranked, horizon, time_limit, executor, progress)
+        ranked, times = rank(task, finalists, starts, horizon, executor, progress)
+    best = ranked[0]
     return Design(
         fleet=fleet,
         conditions=task.conditions,
@@ -168,13 +174,24 @@ def prepare(
     if not 1 <= digits <= 17:
         raise InputError(f"digits = {digits} must be from 1 to 17")
     if excitation == "given" and fleet.psi is None:
-        raise InputError("excitation = 'given', but the fleet file has no [excitation] table; add one or ask for designed")
+        raise InputError(
+            "excitation = 'given', but the fleet file has no [excitation] table; add one or ask for designed"
+        )
     _check_starts(fleet)
     designed = excitation == "designed" or fleet.psi is None
     psi = flat_tones() if designed or fleet.psi is None else fleet.psi
     exact = fleet.limits(psi)
     return Task(
-        fleet, fleet.plant(), condition_set(conditions), psi, designed, exact, exact.map(floats), tolerance, digits, seed
+        fleet,
+        fleet.plant(),
+        condition_set(conditions),
+        psi,
+        designed,
+        exact,
+        exact.map(floats),
+        tolerance,
+        digits,
+        seed,
     )
 
 
@@ -208,7 +225,7 @@ def _candidates(task: Task) -> tuple[list[Candidate], float]:
     found += [task.exactly("convex programs", gains, tempo) for gains, tempo in convex_designs(task)]
     found.append(task.candidate("closed form", FALLBACK))
     horizon = 6 * min(predicted, default=500.0)
-    return found, float(np.clip(horizon, 300.0, 6000.0))
+    return found, float(np.clip(horizon, 300.0, LONGEST))
 
 
 def rank(
@@ -218,51 +235,19 @@ def rank(
     horizon: float,
     executor: Executor | None,
     progress: Progress,
-) -> tuple[Candidate, list[float]]:
-    """The candidate with the least cost over the starts by simulation, and its settling times (s)."""
-    jobs = [(task.plant, candidate, starts, horizon, task.tolerance) for candidate in candidates]
-    results = executor.map(settle, jobs) if executor else map(settle, jobs)
-    best: tuple[float, Candidate, list[float]] | None = None
-    for number, (candidate, measured) in enumerate(zip(candidates, results, strict=True), 1):
-        progress("ranking candidates by simulation", number / len(candidates))
-        value = cost(measured, horizon)
-        if best is None or value < best[0]:
-            best = value, candidate, [time for time, _ in measured]
-    if best is None:
-        raise UndecidedError("no candidate gains were found; this should not happen, please report the fleet file")
-    return best[1], best[2]
-
-
-Job = tuple[Plant, Candidate, Sequence[State], float, Tolerance]
-
-
-def settle(job: Job) -> list[tuple[float, float]]:
-    """(settling time, excess) from every start: the measurement behind every ranking; runs in any process."""
-    plant, candidate, starts, horizon, tolerance = job
-    rollout = Rollout(plant, candidate.excitation)
-    gains = candidate.gains.map(floats)
-    measured = []
-    for start in starts:
-        try:
-            measured.append(rollout.settling(gains, start, horizon, tolerance))
-        except UndecidedError:  # the integrator gave up: such gains are of no use to anybody
-            measured.append((math.inf, math.inf))
-    return measured
-
-
-def cost(measured: Sequence[tuple[float, float]], horizon: float) -> float:
-    """Mean settling time plus a share of the worst, s; a start that did not settle counts beyond the horizon."""
-    times = [
-        time if math.isfinite(time) else horizon * (1 + math.log(min(max(excess, 1.0), 1e6))) for time, excess in measured
-    ]
-    return statistics.fmean(times) + 0.3 * max(times)
+) -> tuple[list[Candidate], list[float]]:
+    """The candidates by cost over the starts, least first, and the settling times (s) of the first."""
+    found: list[tuple[float, int, list[float]]] = []
+    for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
+        found.append((cost(measured, horizon), number, [time for time, _ in measured]))
+        progress("ranking candidates by simulation", (number + 1) / len(candidates))
+    found.sort()
+    return [candidates[number] for _, number, _ in found], found[0][2]
 
 
 def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
     """The content of design.json; every number that is exact is a decimal string."""
-    margins = {
-        inequality.source: [float(margin) for margin in inequality.margin] for inequality in made.inequalities()
-    }
+    margins = {inequality.source: [float(margin) for margin in inequality.margin] for inequality in made.inequalities()}
     return {
         "fleet": made.fleet.name,
         "fleet_digest": made.fleet.digest,
@@ -292,4 +277,3 @@ def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
 
 def _finite(value: float) -> float | None:
     return value if math.isfinite(value) else None
-

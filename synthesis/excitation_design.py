@@ -15,7 +15,7 @@ PLACES = 4  # decimal places of an amplitude
 
 
 def flat_tones(count: int = TONES) -> Excitation:
-    """sum_k s_k sin((2k-1) t), k = 1..count, with the largest s_1 for which |psi| <= 1; certified by `Excitation.bound`.
+    """sum_k s_k sin((2k-1) t), k = 1..count, with the largest s_1 for which |psi| <= 1.
 
     The mean and the even harmonics cost psi_bar and move nothing (THEORY section 3), and kappa grows with the square of
     the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are

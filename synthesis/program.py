@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.equations import Plant
 from ..models.elementwise import Elementwise
+from ..models.equations import Plant
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Limits, cvxpy_numbers
 from .conditions import ConditionSet
@@ -66,26 +66,38 @@ def _feasible(channel: Channel, laplacian: Floats, ratio: float, gamma: float) -
     import cvxpy as cp
 
     count = len(channel.inertia)
-    inverse, damping = cp.Variable(count, pos=True), cp.Variable(count, pos=True)  # 1/p, d/p
-    M, C = cp.multiply(channel.inertia, inverse), damping
+    M, C = cp.Variable(count, pos=True), cp.Variable(count, pos=True)  # inertia / p, d / p
     room = cp.Variable()
+    spent = channel.proportional_cost + cp.multiply(channel.damping_cost, C)
     problem = cp.Problem(
         cp.Maximize(room),
         [
-            C >= 2 * gamma * M + room,
+            2 * gamma * M + room <= C,
             laplacian - gamma * cp.diag(C) + gamma**2 * cp.diag(M) >> room * np.eye(count),
-            channel.proportional_cost + cp.multiply(channel.damping_cost, C) <= cp.multiply(channel.torque, inverse),
-            C >= ratio * channel.degree,
+            spent <= cp.multiply(channel.torque / channel.inertia, M),
+            ratio * channel.degree <= C,
             room <= 1,
         ],
     )
-    try:
-        problem.solve(solver=cp.CLARABEL)
-    except cp.SolverError:
+    if not _optimal(problem) or room.value < 0 or np.min(M.value) <= 0:
         return None
-    if problem.status != cp.OPTIMAL or room.value < 0 or np.min(inverse.value) <= 0:
-        return None
-    return 1 / inverse.value, damping.value / inverse.value
+    p = channel.inertia / M.value
+    return p, C.value * p
+
+
+def _optimal(problem: Any) -> bool:
+    """Whether Clarabel calls a problem optimal: nothing less is of use."""
+    import warnings
+
+    import cvxpy as cp
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": the status says so too
+        try:
+            problem.solve(solver=cp.CLARABEL)
+        except cp.SolverError:
+            return False
+    return bool(problem.status == cp.OPTIMAL)
 
 
 def nearest(conditions: ConditionSet, limits: Limits, target: Gains) -> Gains | None:
@@ -102,10 +114,6 @@ def nearest(conditions: ConditionSet, limits: Limits, target: Gains) -> Gains | 
     ]
     distance = sum(cp.sum_squares(factor - 1) for factor in relative.values())
     problem = cp.Problem(cp.Minimize(distance), constraints)
-    try:
-        problem.solve(solver=cp.CLARABEL)
-    except cp.SolverError:
-        return None
-    if problem.status != cp.OPTIMAL or any(np.min(factor.value) <= 0 for factor in relative.values()):
+    if not _optimal(problem) or any(np.min(factor.value) <= 0 for factor in relative.values()):
         return None
     return Gains(*(getattr(target, name) * relative[name].value for name in GAIN_NAMES))

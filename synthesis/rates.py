@@ -1,7 +1,7 @@
 """How fast: the exponential rates of heading and along-track motion, and the cubic flow across the track.
 
-THEORY section 3. Near the goal the heading obeys M th'' + C th' + L_l th = 0 with M = I / p_omega, C = d_omega / p_omega,
-and the along-track errors the same with m, p_v, d_v. The cross-track errors y fall by an algebraic flow y' = -c(y) that
+THEORY section 3. Near the goal the heading obeys M th'' + C th' + L_l th = 0 with M = I / p_omega and
+C = d_omega / p_omega, and the along-track errors the same with m, p_v, d_v. The cross-track errors y fall by an algebraic flow y' = -c(y) that
 the excitation causes; c is cubic, so that y ~ t^(-1/2).
 """
 
@@ -21,6 +21,7 @@ Floats = NDArray[np.float64]
 
 SWING_PHASES = 65  # points of a period at which the heading's swing is looked at
 LONGEST_TAIL = 1e7  # s, a tail beyond which counts as never
+
 
 @dataclass(frozen=True)
 class Rates:
@@ -43,7 +44,7 @@ def track_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
 
 
 def exponential_rate(M: Floats, C: Floats, L: Floats) -> float:
-    """The largest gamma with C - 2 gamma M >= 0 and L - gamma C + gamma^2 M >= 0, which certifies decay as e^(-gamma t).
+    """The largest gamma with C - 2 gamma M >= 0 and L - gamma C + gamma^2 M >= 0, which certifies e^(-gamma t).
 
     M, C (N,) are diagonals, L (N, N) is symmetric positive definite. Bisection on the smallest eigenvalue; the second
     matrix falls with gamma as long as the first condition holds.
@@ -60,7 +61,7 @@ class CrossTrack:
     """The averaged motion across the track: y' = -c(y), and the heading swing that it rides on; tone by tone."""
 
     def __init__(self, plant: Plant, gains: Gains, excitation: Excitation, tempo: float = 1.0) -> None:
-        """Factorise the responses at every tone of psi; `tempo` multiplies its frequency. O(N + E) for sparse graphs."""
+        """Factorise the responses at every tone of psi; `tempo` multiplies its frequency. Sparse."""
         from scipy.sparse import diags_array
         from scipy.sparse.linalg import splu
 
@@ -103,7 +104,9 @@ class CrossTrack:
             return float(max(np.max(np.abs(y)) / position, np.max(self.swing(y)) / heading)) - 1
 
         excess.terminal = True  # type: ignore[attr-defined]
-        run = solve_ivp(lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9)
+        run = solve_ivp(
+            lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9
+        )
         y = run.y[:, -1]
         leading = int(np.argmax(np.abs(y)))
         kappa = float(self.flow(y)[leading] / y[leading] ** 3)

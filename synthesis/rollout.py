@@ -20,6 +20,7 @@ from ..models.ops import casadi_ops, unbounded
 
 Floats = NDArray[np.float64]
 
+MAX_STEPS = 200_000  # of CVODES between two outputs
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
 
 
@@ -66,11 +67,11 @@ class Rollout:
             {"x": x, "t": t, "p": p, "ode": ca.vertcat(*rates)},
             0.0,
             (step * np.arange(1, self.per_piece + 1)).tolist(),
-            {"reltol": reltol, "abstol": abstol, "max_num_steps": 200_000},
+            {"reltol": reltol, "abstol": abstol, "max_num_steps": MAX_STEPS},
         )
 
     def pieces(self, gains: Gains, start: State, tempo: float = 1.0) -> Iterator[tuple[Floats, State]]:
-        """Piece after piece of the solution: times (K,) and states (K, N). Raises UndecidedError where CVODES stalls."""
+        """Piece after piece of the solution: times (K,) and states (K, N). UndecidedError where CVODES stalls."""
         x = np.concatenate(start)
         columns = np.concatenate([np.asarray(getattr(gains, name), dtype=float) for name in GAIN_NAMES])
         begin = 0.0
@@ -127,13 +128,19 @@ class Rollout:
 class Deadline:
     """A wall-clock limit."""
 
-    def __init__(self, seconds: float | None) -> None:
-        self._end = math.inf if seconds is None else time.monotonic() + seconds
+    def __init__(self, seconds: float) -> None:
+        self._begin, self._seconds = time.monotonic(), seconds
 
     @property
     def passed(self) -> bool:
         """Whether the time is up."""
-        return time.monotonic() > self._end
+        return self.share > 1
+
+    @property
+    def share(self) -> float:
+        """How much of the time is gone; more than 1 when it is up."""
+        gone = time.monotonic() - self._begin
+        return gone / self._seconds if self._seconds > 0 else math.inf
 
 
 def column(values: Any) -> Any:

@@ -50,7 +50,8 @@ def _lowered(gains: Gains, inequality: Inequality, digits: int) -> Gains:
         return gains
     # One unit in the last place below large / small makes a strict inequality strict.
     shrink = 1 - Fraction(1, 10 ** (digits + 2))
-    scale = np.where(broken, inequality.large / inequality.small * shrink, Fraction(1))
+    scale = inequality.large / inequality.small * shrink
+    scale[~broken] = Fraction(1)
     return replace(gains, **{name: floor_digits(getattr(gains, name) * scale, digits) for name in inequality.scaled})
 
 

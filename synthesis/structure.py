@@ -37,7 +37,8 @@ class Scalars:
 
     def logarithms(self) -> NDArray[np.float64]:
         """The scalars as a search sees them, (6,)."""
-        return np.log(np.array(astuple(self), dtype=float))
+        logarithms: NDArray[np.float64] = np.log(np.array(astuple(self), dtype=float))
+        return logarithms
 
     @classmethod
     def from_logarithms(cls, logarithms: NDArray[np.float64]) -> Scalars:

@@ -12,8 +12,9 @@ from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.starts import random_starts
 from gaincert.synthesis.conditions import CONDITION_SETS
-from gaincert.synthesis.design import FALLBACK, design, settle
+from gaincert.synthesis.design import FALLBACK, design
 from gaincert.synthesis.excitation_design import flat_tones
+from gaincert.synthesis.measure import measure
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
 from gaincert.synthesis.rollout import Tolerance
@@ -123,7 +124,7 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
     start = fleet.start()
     assert start is not None
     starts = [start, *random_starts(fleet, 4, seed=1234)]
-    measured = settle((fleet.plant(), made, starts, 2 * other_limit, Tolerance()))  # type: ignore[arg-type]
+    measured = measure((fleet.plant(), made, starts, 2 * other_limit, Tolerance()))  # type: ignore[arg-type]
     times = [time for time, _ in measured]
     assert times[0] < own_limit
     assert max(times) < other_limit

@@ -7,6 +7,7 @@ from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.fleet import floats
 from gaincert.models.ops import numpy_ops
 from gaincert.models.paper import paper_fleet, paper_gains
+from gaincert.synthesis import rollout
 from gaincert.verify.simulate import Trajectory, settling_time, simulate, summarize
 from scipy.integrate import simpson, solve_ivp
 
@@ -17,6 +18,7 @@ def run() -> Trajectory:
     return simulate(fleet, paper_gains(), fleet.psi, horizon=300)
 
 
+@pytest.mark.slow
 def test_cvodes_agrees_with_scipy_to_1e_6_over_300_s(run: Trajectory) -> None:
     fleet = paper_fleet()
     plant, gains, ops = fleet.plant(), paper_gains().map(floats), numpy_ops()
@@ -92,8 +94,8 @@ def test_a_wall_clock_limit_ends_a_run_with_its_time() -> None:
         simulate(fleet, paper_gains(), fleet.psi, horizon=3000, wall_limit=0.0)
 
 
-def test_an_integrator_that_stalls_is_named_with_its_time() -> None:
+def test_an_integrator_that_stalls_is_named_with_its_time(monkeypatch: pytest.MonkeyPatch) -> None:
     fleet = paper_fleet()
-    wild = paper_gains().map(lambda column: column * 10**14)
-    with pytest.raises(UndecidedError, match="integrator"):
-        simulate(fleet, wild, fleet.psi, horizon=50, bounded=False)
+    monkeypatch.setattr(rollout, "MAX_STEPS", 5)
+    with pytest.raises(UndecidedError, match="the integrator gave up after t = 0 s"):
+        simulate(fleet, paper_gains(), fleet.psi, horizon=50)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
+from typing import Any
 
 
 class Status(Enum):
@@ -27,5 +28,11 @@ class Claim:
     method: str
     reason: str  # one line in plain words
     corrected: str | None = None  # the true form, where the status is CORRECTED
-    witness: str | None = None  # the counterexample with its values, where the status is REFUTED
+    witness: str | None = None  # the counterexample with its values, where the claim is false
     needs: tuple[str, ...] = ()  # ids of the claims that this one rests on
+    second: str | None = None  # an independent second method, where one was run
+    group: str = "printed"  # "printed", "theorem", "cited" or "fleet"
+    quantity: Any = None  # the left side of the formulas below, a SymPy expression
+    stated: Any = None  # as printed, a SymPy expression
+    derived: Any = None  # as algebra derives it
+    residual: Any = None  # stated - derived in normal form; 0 if and only if the two agree

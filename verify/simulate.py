@@ -43,7 +43,13 @@ class Trajectory:
 
     def write(self, path: Path) -> None:
         """trajectory.npz, written whole or not at all."""
-        arrays = {**self.state._asdict(), "tau_left": self.tau_left, "tau_right": self.tau_right, "V": self.V, "W": self.W}
+        arrays = {
+            **self.state._asdict(),
+            "tau_left": self.tau_left,
+            "tau_right": self.tau_right,
+            "V": self.V,
+            "W": self.W,
+        }
         write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
 
 
@@ -75,10 +81,13 @@ def simulate(
     Raises:
         InputError: where neither the fleet file nor the caller gives a start.
         UndecidedError: where the integrator stalls or the wall-clock limit passes.
+
     """
     start = fleet.start() if start is None else start
     if start is None:
-        raise InputError("simulate: a vehicle of the fleet file has no start; add start = { position, heading } to each")
+        raise InputError(
+            "simulate: a vehicle of the fleet file has no start; add start = { position, heading } to each"
+        )
     plant, numbers, deadline = fleet.plant(), gains.map(floats), Deadline(wall_limit)
     end = LONGEST if horizon is None else horizon
     step = _step(end, len(fleet))
@@ -162,4 +171,3 @@ def peak_torque_ratios(fleet: Fleet, run: Trajectory) -> Floats:
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
     return np.maximum(np.abs(run.tau_left).max(axis=0) / left, np.abs(run.tau_right).max(axis=0) / right)
-
