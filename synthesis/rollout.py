@@ -84,7 +84,7 @@ class Rollout:
             if not np.isfinite(states).all():
                 raise UndecidedError(f"the integrator returned numbers that are not finite after t = {begin:g} s")
             x = states[:, -1]
-            yield begin + self.step * np.arange(1, self.per_piece + 1), self._state(states)
+            yield np.asarray(begin + self.step * np.arange(1, self.per_piece + 1), dtype=float), self._state(states)
             begin += self.per_piece * self.step
 
     def _state(self, columns: Any) -> State:

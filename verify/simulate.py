@@ -150,12 +150,12 @@ def summarize(fleet: Fleet, run: Trajectory, tolerance: Tolerance = Tolerance())
 def position_errors(fleet: Fleet, state: State) -> Floats:
     """Distance of every vehicle from its place in the formation, m, (K, N)."""
     plant = fleet.plant()
-    return np.hypot(state.x - plant.offset_x - plant.leader_x, state.y - plant.offset_y - plant.leader_y)
+    return np.asarray(np.hypot(state.x - plant.offset_x - plant.leader_x, state.y - plant.offset_y - plant.leader_y))
 
 
 def heading_errors(fleet: Fleet, state: State) -> Floats:
     """|theta - theta_l| on the real line, rad, (K, N)."""
-    return np.abs(state.theta - fleet.plant().leader_theta)
+    return np.asarray(np.abs(state.theta - fleet.plant().leader_theta))
 
 
 def settling_time(t: Floats, excess: Floats) -> float | None:
@@ -170,4 +170,4 @@ def peak_torque_ratios(fleet: Fleet, run: Trajectory) -> Floats:
     """The largest |torque| over its limit, of either wheel, (N,)."""
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
-    return np.maximum(np.abs(run.tau_left).max(axis=0) / left, np.abs(run.tau_right).max(axis=0) / right)
+    return np.asarray(np.maximum(np.abs(run.tau_left).max(axis=0) / left, np.abs(run.tau_right).max(axis=0) / right))
