@@ -316,7 +316,7 @@ def run(
     document = {"design": _write_design(printer, made, folder)}
     chosen = GainsFile(made.gains, made.excitation, conditions.value)
     document["certificate"] = _certify(printer, fleet, chosen, conditions.value, folder)
-    claims = _prove(Printer(False, printer.quiet or printer.json, False), fleet, folder)
+    claims = _prove(printer, fleet, folder, part_of_run=True)
     if fleet.start() is None:
         printer.say("simulation: left out, because the fleet file has no start for every vehicle")
     else:
@@ -443,7 +443,7 @@ def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str,
     }
 
 
-def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None) -> Any:
+def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None, *, part_of_run: bool = False) -> Any:
     from .reports.proof_report import claims_to_json, write
     from .verify.proof import prove
 
@@ -451,14 +451,19 @@ def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None) -> Any:
     counts: dict[str, int] = {}
     for claim in claims:
         counts[claim.status.name] = counts.get(claim.status.name, 0) + 1
-    printer.say(f"{len(claims)} claims: " + ", ".join(f"{number} {name}" for name, number in sorted(counts.items())))
+    printer.say(
+        f"proof check: {len(claims)} claims, "
+        + ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))
+        + ("; the corrected theorem is proved" if _theorem_holds(claims) else "; the corrected theorem is NOT proved")
+    )
     for claim in claims:
-        if printer.verbose or claim.status.name in ("REFUTED", "CORRECTED", "OPEN"):
+        if printer.verbose or (claim.status.name in ("REFUTED", "CORRECTED", "OPEN") and not part_of_run):
             printer.say(f"  {claim.status.name:9} {claim.source}: {claim.reason}")
     if folder is not None:
         write(claims, folder)
         printer.say(f"proof report: {folder / 'proof.html'}")
-    printer.document(claims_to_json(claims))
+    if not part_of_run:
+        printer.document(claims_to_json(claims))
     return claims
 
 
