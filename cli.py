@@ -444,6 +444,7 @@ def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str,
 
 
 def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None, *, part_of_run: bool = False) -> Any:
+    from .reports.proof_figures import write as write_witness_figures
     from .reports.proof_report import claims_to_json, write
     from .verify.proof import prove
 
@@ -461,6 +462,7 @@ def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None, *, part_o
             printer.say(f"  {claim.status.name:9} {claim.source}: {claim.reason}")
     if folder is not None:
         write(claims, folder)
+        write_witness_figures(folder / "figures")
         printer.say(f"proof report: {folder / 'proof.html'}")
     if not part_of_run:
         printer.document(claims_to_json(claims))

@@ -67,6 +67,8 @@ class Excitation:
         common = {"mean": decimal_text(self.mean), "frequency": decimal_text(self.frequency)}
         if self.terms is not None:
             return {"family": "square-wave", **common, "terms": self.terms}
+        if self.over_pi:
+            raise ValueError("coefficients with 1/pi are no table of a fleet file")
         tones = {"sin": [decimal_text(s) for s in self.sin], "cos": [decimal_text(c) for c in self.cos]}
         return {"family": "harmonics", **common, **{key: values for key, values in tones.items() if values}}
 

@@ -22,7 +22,7 @@ class Numbers:
     """What the conditions need beyond + - * /."""
 
     sqrt2_norm: Callable[..., Array]  # sqrt2 times the Euclidean norm of its arguments; rounded up where inexact
-    tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact
+    tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact; endless where it is
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,7 +142,7 @@ def float_numbers() -> Numbers:
     """Floats: plain rounding, for display and search; never for a verdict."""
     import numpy as np
 
-    return Numbers(lambda *parts: np.sqrt(2 * sum(part * part for part in parts)), np.tanh)
+    return Numbers(lambda *parts: np.sqrt(2 * sum(part * part for part in parts)), _tanh_or(np.inf))
 
 
 @cache
@@ -158,11 +158,9 @@ def exact_numbers() -> Numbers:
 @cache
 def cvxpy_numbers() -> Numbers:
     """`Elementwise` cvxpy expressions that are affine in the gains: the conditions come out as second-order cones."""
-    import numpy as np
-
     from .elementwise import sqrt2_norm
 
-    return Numbers(sqrt2_norm, np.tanh)
+    return Numbers(sqrt2_norm, _tanh_or(NEVER_BINDS))
 
 
 @cache
@@ -170,7 +168,10 @@ def casadi_numbers() -> Numbers:
     """CasADi columns."""
     import casadi as ca
 
-    return Numbers(lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), ca.tanh)
+    endless = _tanh_or(math.inf)
+    return Numbers(
+        lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), lambda q: ca.DM(endless(ca.DM(q).full()))
+    )
 
 
 @cache
@@ -179,10 +180,19 @@ def sympy_numbers() -> Numbers:
     import numpy as np
     import sympy as sp
 
-    root, hyperbolic = np.frompyfunc(sp.sqrt, 1, 1), np.frompyfunc(sp.tanh, 1, 1)
+    root = np.frompyfunc(sp.sqrt, 1, 1)
+    hyperbolic = np.frompyfunc(lambda q: sp.oo if q == math.inf else sp.tanh(q), 1, 1)
     return Numbers(lambda *parts: root(2 * sum(part * part for part in parts)), hyperbolic)
 
 
+def _tanh_or(endless: float) -> Callable[[Array], Array]:
+    """Tanh of floats, and `endless` where the argument is infinite: no limit is asked for there."""
+    import numpy as np
+
+    return lambda q: np.where(np.isinf(q), endless, np.tanh(np.asarray(q, dtype=float)))
+
+
+NEVER_BINDS = 1e6  # in place of infinity, which a solver does not take
 ENCLOSURE_DIGITS = 40  # significant digits of a rational enclosure
 
 
@@ -198,10 +208,10 @@ def sqrt_above(q: Fraction) -> Fraction:
     return Fraction(scaled, q.denominator * 10**shift)
 
 
-def tanh_below(q: Fraction | float) -> Fraction:
-    """A fraction at or below tanh(q), q > 0, within 1e-40 of it; 1 for an infinite q (no limit)."""
+def tanh_below(q: Fraction | float) -> Fraction | float:
+    """A fraction at or below tanh(q), q > 0, within 1e-40 of it; inf for an infinite q, where no limit is asked for."""
     if q == math.inf:
-        return Fraction(1)
+        return math.inf
     from flint import arb, ctx, fmpq
 
     exact = Fraction(q)

@@ -239,7 +239,7 @@ def rank(
     """The candidates by cost over the starts, least first, and the settling times (s) of the first."""
     found: list[tuple[float, int, list[float]]] = []
     for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
-        found.append((cost(measured, horizon), number, [time for time, _ in measured]))
+        found.append((cost(measured, horizon), number, [run.time for run in measured]))
         progress("ranking candidates by simulation", (number + 1) / len(candidates))
     found.sort()
     return [candidates[number] for _, number, _ in found], found[0][2]
@@ -247,7 +247,10 @@ def rank(
 
 def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
     """The content of design.json; every number that is exact is a decimal string."""
-    margins = {inequality.source: [float(margin) for margin in inequality.margin] for inequality in made.inequalities()}
+    margins = {
+        inequality.source: [_finite(float(margin)) for margin in inequality.margin]
+        for inequality in made.inequalities()
+    }
     return {
         "fleet": made.fleet.name,
         "fleet_digest": made.fleet.digest,

@@ -11,14 +11,15 @@ from typing import TYPE_CHECKING
 from ..models.equations import Plant, State
 from ..models.errors import UndecidedError
 from ..models.fleet import floats
-from .rollout import Rollout, Tolerance
+from .rollout import Rollout, Settling, Tolerance
 
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
 WORST_SHARE = 0.3  # of the worst start in the cost, beside the mean
+HALF_SHARE = 0.1  # of the time to half the tolerance: it keeps the tail from being traded away
 
-Measured = list[tuple[float, float]]  # (settling time in s, excess at the end) for every start
+Measured = list[Settling]  # for every start
 Job = tuple[Plant, "Candidate", Sequence[State], float, Tolerance]
 
 
@@ -31,7 +32,7 @@ def measure_all(
 
 
 def measure(job: Job) -> Measured:
-    """(settling time, excess) from every start; inf where the fleet did not settle or the integrator gave up."""
+    """How the fleet settles from every start; never, where the integrator gave up."""
     plant, candidate, starts, horizon, tolerance = job
     rollout = Rollout(plant, candidate.excitation)
     gains = candidate.gains.map(floats)
@@ -40,14 +41,17 @@ def measure(job: Job) -> Measured:
         try:
             measured.append(rollout.settling(gains, start, horizon, tolerance))
         except UndecidedError:  # such gains are of no use to anybody
-            measured.append((math.inf, math.inf))
+            measured.append(Settling(math.inf, math.inf, math.inf))
     return measured
 
 
 def cost(measured: Measured, horizon: float) -> float:
-    """Mean settling time plus a share of the worst, s; a start that did not settle counts beyond the horizon."""
-    times = [
-        time if math.isfinite(time) else horizon * (1 + math.log(min(max(excess, 1.0), 1e6)))
-        for time, excess in measured
-    ]
-    return statistics.fmean(times) + WORST_SHARE * max(times)
+    """Mean settling time, with a share of the worst and of the mean to half the tolerance, s."""
+    times = [_counted(run.time, run.excess, horizon) for run in measured]
+    halves = [_counted(run.half, 2 * run.excess, horizon) for run in measured]
+    return statistics.fmean(times) + WORST_SHARE * max(times) + HALF_SHARE * statistics.fmean(halves)
+
+
+def _counted(time: float, excess: float, horizon: float) -> float:
+    """A start that did not settle counts beyond the horizon, the more the further away it ended."""
+    return time if math.isfinite(time) else horizon * (1 + math.log(min(max(excess, 1.0), 1e6)))

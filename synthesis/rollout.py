@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -103,26 +103,34 @@ class Rollout:
         position, heading = self.errors(state)
         return np.maximum(position / tolerance.position, heading / tolerance.heading)
 
-    def settling(
-        self, gains: Gains, start: State, horizon: float, tolerance: Tolerance, tempo: float = 1.0
-    ) -> tuple[float, float]:
-        """(settling time, excess): the time from which all stay within the tolerance, inf where not by the horizon.
+    def settling(self, gains: Gains, start: State, horizon: float, tolerance: Tolerance) -> Settling:
+        """When the fleet settles from a start: within the tolerance, and within half of it.
 
-        A run that has stayed within it for a whole piece ends there. The excess is the larger of both errors over
-        their tolerances during the last piece.
+        A run that has stayed within half the tolerance for a whole piece ends there.
         """
-        last_outside, excess = 0.0, math.inf
-        for times, states in self.pieces(gains, start, tempo):
+        last, last_half, excess = 0.0, 0.0, math.inf
+        for times, states in self.pieces(gains, start):
             ratio = self.excess(states, tolerance)
             excess = float(ratio.max())
-            outside = np.flatnonzero(ratio > 1)
-            if outside.size:
-                last_outside = float(times[outside[-1]])
-            elif last_outside < times[0]:
-                return last_outside, excess
-            if times[-1] >= horizon:
+            last, last_half = _last(times, ratio > 1, last), _last(times, ratio > 0.5, last_half)
+            end = float(times[-1])
+            if last_half < times[0] - self.step or end >= horizon:
                 break
-        return (last_outside, excess) if last_outside < times[-1] - self.step else (math.inf, excess)
+        return Settling(*(time if time < end - self.step else math.inf for time in (last, last_half)), excess)
+
+
+def _last(times: Floats, outside: NDArray[np.bool_], before: float) -> float:
+    """The last of the times that is outside, or the one before where none is."""
+    found = np.flatnonzero(outside)
+    return float(times[found[-1]]) if found.size else before
+
+
+class Settling(NamedTuple):
+    """What one rollout says."""
+
+    time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
+    half: float  # s, the same for half the tolerance
+    excess: float  # the largest error over its tolerance during the last piece
 
 
 class Deadline:

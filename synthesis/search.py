@@ -56,7 +56,7 @@ def search(
             costs = _costs(task, candidates, starts, horizon, executor)
             strategy.tell(points, [math.log(value) for value in costs])
             elite = sorted([*elite, *zip(costs, candidates, strict=True)], key=lambda pair: pair[0])[:ELITE]
-            horizon = min(horizon, 4 * elite[0][0])
+            horizon = min(horizon, 8 * elite[0][0])
             done = max((generation + 1) / GENERATIONS, deadline.share)
             progress(f"searching: {elite[0][0]:.0f} s on the training starts", done)
     except KeyboardInterrupt:

@@ -1,0 +1,43 @@
+"""Imports run one way: models <- synthesis <- verify <- reports <- cli; the kernel imports nothing of ours."""
+
+import ast
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+LAYERS = ["models", "synthesis", "verify", "reports", "cli"]
+SOURCES = [path for layer in LAYERS[:-1] for path in sorted((ROOT / layer).rglob("*.py"))] + [ROOT / "cli.py"]
+
+
+def imported_layers(path: Path) -> set[str]:
+    package = path.relative_to(ROOT).parent.parts
+    found = set()
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.ImportFrom) and node.level:
+            base = package[: len(package) - node.level + 1]
+            found.add((*base, *(node.module or "").split("."))[0])
+    return found & set(LAYERS)
+
+
+@pytest.mark.parametrize("path", SOURCES, ids=lambda path: str(path.relative_to(ROOT)))
+def test_imports_go_down(path: Path) -> None:
+    own = path.relative_to(ROOT).parts[0].removesuffix(".py")
+    above = LAYERS[LAYERS.index(own) + 1 :]
+    assert not imported_layers(path) & set(above)
+
+
+def test_the_test_sees_imports() -> None:
+    assert imported_layers(ROOT / "verify" / "simulate.py") >= {"models", "synthesis"}
+
+
+def test_the_kernel_imports_the_standard_library_only() -> None:
+    modules = set()
+    for node in ast.walk(ast.parse((ROOT / "verify" / "kernel.py").read_text())):
+        if isinstance(node, ast.Import):
+            modules |= {alias.name.split(".")[0] for alias in node.names}
+        elif isinstance(node, ast.ImportFrom):
+            assert node.level == 0
+            modules.add((node.module or "").split(".")[0])
+    assert modules <= sys.stdlib_module_names
