@@ -116,7 +116,8 @@ class Rollout:
             end = float(times[-1])
             if last_half < times[0] - self.step or end >= horizon:
                 break
-        return Settling(*(time if time < end - self.step else math.inf for time in (last, last_half)), excess)
+        time, half = (value if value < end - self.step else math.inf for value in (last, last_half))
+        return Settling(time, half, excess)
 
 
 def _last(times: Floats, outside: NDArray[np.bool_], before: float) -> float:
