@@ -14,7 +14,7 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.fleet_file import dumps, load, parse
 from gaincert.models.numbers import decimal_text, exact
 from gaincert.models.paper import paper_fleet
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 GOOD = """
@@ -514,6 +514,9 @@ def test_a_fleet_with_everything_in_it_reads_back(tmp_path):
 
 
 @given(st.text(min_size=1, max_size=64).filter(lambda name: name.encode("utf-8", "ignore").decode() == name))
+@example("\x7f")
+@example("😀")
+@example('\u2028\x85\x00\n"\\')
 @settings(max_examples=150, deadline=None)
 def test_any_name_reads_back(tmp_path_factory, name):
     content = copy.deepcopy(paper_fleet().model_dump(by_alias=True))

@@ -89,6 +89,38 @@ def test_where_the_root_frame_lies_does_not_count(tmp_path):
         assert float(there[key]) == pytest.approx(float(here[key]), abs=1e-11)
 
 
+def rotation(roll, pitch, yaw):
+    """URDF's Rz(yaw) Ry(pitch) Rx(roll), by Rodrigues' formula."""
+    product = np.eye(3)
+    for axis, angle in ((2, yaw), (1, pitch), (0, roll)):
+        generator = np.zeros((3, 3))
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        generator[i, j], generator[j, i] = -1, 1
+        product = product @ (np.eye(3) + math.sin(angle) * generator + (1 - math.cos(angle)) * generator @ generator)
+    return product
+
+
+def test_frames_follow_one_another_from_the_root(tmp_path):
+    """Turns do not commute: base -> mast -> arm, each with an attitude of its own."""
+    first, second, own = (0.3, -0.8, 1.1), (-1.2, 0.4, 0.9), (0.7, 0.2, -0.5)
+    text = ROBOT
+    for old, new in (
+        ('xyz="0.1 0 0" rpy="0 0 1.5707963267948966"', f'xyz="0.1 0 0" rpy="{first[0]} {first[1]} {first[2]}"'),
+        ('xyz="0.3 0.4 0"', f'xyz="0.3 0.4 0" rpy="{second[0]} {second[1]} {second[2]}"'),
+        ('xyz="0 0 0" rpy="1.5707963267948966 0 0"', f'xyz="0.1 0.2 0.3" rpy="{own[0]} {own[1]} {own[2]}"'),
+    ):
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    R1, R2, R3 = rotation(*first), rotation(*second), rotation(*own)
+    mast = [0.1, 0, 0] + R1 @ [0.2, 0, 1]
+    arm = [0.1, 0, 0] + R1 @ ([0.3, 0.4, 0] + R2 @ [0.1, 0.2, 0.3])
+    upright, turned = R1 @ np.diag([7, 8, 0.25]) @ R1.T, R1 @ R2 @ R3 @ np.diag([9, 0.125, 9]) @ (R1 @ R2 @ R3).T
+    expected = 0.86 + 2 * (0.01 + 0.03125)
+    for tensor, mass, (x, y, _) in ((upright, 2, mast), (turned, 1, arm)):
+        expected += tensor[2, 2] + mass * ((x - 0.1) ** 2 + y**2)
+    assert float(read_urdf(written(tmp_path, text))["inertia"]) == pytest.approx(expected, abs=1e-11)
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_any_attitude_of_a_frame_gives_the_rotated_tensor(tmp_path, seed):
     """The yaw inertia is e_z^T R I R^T e_z, with URDF's R = Rz(yaw) Ry(pitch) Rx(roll), products of inertia and all."""
@@ -96,13 +128,7 @@ def test_any_attitude_of_a_frame_gives_the_rotated_tensor(tmp_path, seed):
     root = random.normal(size=(3, 3))
     tensor = np.round(root @ root.T, 6)
     roll, pitch, yaw = np.round(random.uniform(-3, 3, 3), 6)
-    rotations = []
-    for axis, angle in ((2, yaw), (1, pitch), (0, roll)):
-        generator = np.zeros((3, 3))
-        i, j = (axis + 1) % 3, (axis + 2) % 3
-        generator[i, j], generator[j, i] = -1, 1
-        rotations.append(np.eye(3) + math.sin(angle) * generator + (1 - math.cos(angle)) * generator @ generator)
-    R = rotations[0] @ rotations[1] @ rotations[2]
+    R = rotation(roll, pitch, yaw)
     keys = {"ixx": (0, 0), "ixy": (0, 1), "ixz": (0, 2), "iyy": (1, 1), "iyz": (1, 2), "izz": (2, 2)}
     attributes = " ".join(f'{key}="{tensor[place]:.6f}"' for key, place in keys.items())
     old = '<inertia ixx="1" ixy="0" ixz="0" iyy="2" iyz="0" izz="0.5"/>'
@@ -185,6 +211,11 @@ LAUGHS = "".join(f'<!ENTITY l{i} "{f"&l{i - 1};" * 10}">' for i in range(1, 12))
 )
 def test_unsafe_or_broken_xml_is_refused(text, tmp_path):
     assert refusal(tmp_path, text).startswith(("is not safe XML: ", "is not a differential-drive URDF: "))
+
+
+def test_no_entity_is_expanded_not_even_a_harmless_one(tmp_path):
+    text = ROBOT.replace("<robot", '<!DOCTYPE r [<!ENTITY four "4">]><robot').replace('value="4"', 'value="&four;"')
+    assert refusal(tmp_path, text).startswith("is not safe XML: EntitiesForbidden")
 
 
 @pytest.mark.parametrize(
