@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .models.gains_file import GainsFile
     from .synthesis.rollout import Tolerance
     from .verify.simulate import Trajectory
+    from .verify.validate import Question
 
 app = typer.Typer(
     name="gaincert",
@@ -65,6 +66,23 @@ class Source(StrEnum):
     designed = "designed"
 
 
+class Format(StrEnum):
+    """What robots and papers load."""
+
+    ros2 = "ros2"
+    c = "c"
+    latex = "latex"
+    csv = "csv"
+    markdown = "markdown"
+
+
+class Animation(StrEnum):
+    """Kinds of moving pictures."""
+
+    gif = "gif"
+    mp4 = "mp4"
+
+
 class Scheme(StrEnum):
     """The paper's controller, or its comparison with tanh(s) replaced by s."""
 
@@ -72,8 +90,27 @@ class Scheme(StrEnum):
     unbounded = "unbounded"
 
 
+class Engine(StrEnum):
+    """What simulates."""
+
+    auto = "auto"
+    cvodes = "cvodes"
+    scale = "scale"
+
+
+class Method(StrEnum):
+    """How `validate` integrates."""
+
+    auto = "auto"
+    cvodes = "cvodes"
+    dop853 = "dop853"
+
+
 FleetPath = Annotated[Path, typer.Argument(metavar="FLEET.toml", help="the fleet file")]
 GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
+FolderFleet = Annotated[
+    Path | None, typer.Option("--fleet", metavar="FLEET.toml", help="[default: the copy that lies in DIR]")
+]
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the folder that the files are written to")]
 Json = Annotated[bool, typer.Option("--json", help="print one JSON document; messages go to standard error")]
 Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="print errors only")]
@@ -83,6 +120,7 @@ ModeOption = Annotated[Mode, typer.Option(help="seconds, or a search within the 
 ExcitationOption = Annotated[
     Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given where the file has one]")
 ]
+WeightsOption = Annotated[Source, typer.Option(help="a_ij and a_il of the fleet file, or better ones on its links")]
 Seed = Annotated[int, typer.Option(min=0, help="of the random starts and of the search")]
 TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock for --mode best")]
 Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
@@ -190,6 +228,7 @@ def design(
     mode: ModeOption = Mode.fast,
     conditions: ConditionsOption = Conditions.paper,
     excitation: ExcitationOption = None,
+    weights: WeightsOption = Source.given,
     seed: Seed = 0,
     time_limit: TimeLimit = 600.0,
     digits: Digits = 4,
@@ -201,7 +240,16 @@ def design(
     """Choose gains that settle the fleet fast, within the conditions."""
     printer = Printer(json, quiet, verbose)
     made = _design(
-        printer, _fleet(fleet_path), mode, conditions, excitation, seed, time_limit, digits, _tolerance(tolerance)
+        printer,
+        _fleet(fleet_path),
+        mode,
+        conditions,
+        excitation,
+        weights,
+        seed,
+        time_limit,
+        digits,
+        _tolerance(tolerance),
     )
     printer.document(_write_design(printer, made, folder))
 
@@ -260,6 +308,7 @@ def simulate(
     ] = Scheme.bounded,
     horizon: Horizon = None,
     tolerance: ToleranceOption = (0.1, 0.1),
+    engine: Annotated[Engine, typer.Option(help="cvodes, or the explicit engine for large fleets")] = Engine.auto,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -267,15 +316,85 @@ def simulate(
     """Simulate the fleet from its start and draw what happens."""
     printer = Printer(json, quiet, verbose)
     fleet = _fleet(fleet_path)
-    summary = _simulate(printer, fleet, _gains(gains, fleet), folder, (scheme,), horizon, _tolerance(tolerance))
+    chosen, wide = _gains(gains, fleet), _tolerance(tolerance)
+    summary = _simulate(printer, fleet, chosen, folder, (scheme,), horizon, wide, engine)
     printer.document(summary)
-    if scheme is Scheme.bounded and summary["peak_torque_ratio"] > 1:
+    if summary["violations"]:
         raise typer.Exit(1)
+
+
+@app.command()
+def validate(
+    fleet_path: FleetPath,
+    gains: GainsPath,
+    folder: Folder,
+    starts: Annotated[int, typer.Option(min=1, max=1_000_000, help="how many random starts at rest")] = 100,
+    starts_file: Annotated[
+        Path | None, typer.Option(metavar="CSV", help="start,vehicle,x,y,theta,v,omega; instead of random starts")
+    ] = None,
+    box: Annotated[
+        float | None,
+        typer.Option(min=0, metavar="M", help="side of the square around the goal [default: the fleet's own scale]"),
+    ] = None,
+    seed: Seed = 0,
+    horizon: Annotated[float, typer.Option(min=0.1, max=1e6, help="s that every start runs for")] = 300.0,
+    tolerance: ToleranceOption = (0.1, 0.1),
+    workers: Annotated[
+        int | None, typer.Option(min=1, max=1024, help="processes [default: one for every core]")
+    ] = None,
+    scheduler: Annotated[
+        str | None, typer.Option(metavar="tcp://HOST:PORT", help="a Dask cluster that does the work instead")
+    ] = None,
+    integrator: Annotated[
+        Method, typer.Option(help="auto: cvodes in two stages; dop853: an independent check, slowly")
+    ] = Method.auto,
+    replay: Annotated[
+        int | None, typer.Option(min=0, metavar="K", help="run start K alone, again, and store its trajectory")
+    ] = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Run the fleet from many starts; a broken run goes on where it stopped."""
+    from .reports.versions import versions
+    from .verify.validate import ask
+
+    printer = Printer(json, quiet, verbose)
+    fleet = _fleet(fleet_path)
+    chosen, wide = _gains(gains, fleet), _tolerance(tolerance)
+    count = starts if replay is None else max(starts, replay + 1)
+    states, origin = _starts(fleet, count, starts_file, seed, box)
+    question = ask(
+        fleet.with_links(chosen.links),
+        chosen.gains,
+        chosen.excitation,
+        origin,
+        horizon=horizon,
+        tolerance=wide,
+        method=integrator.value,
+        versions=versions(),
+    )
+    if replay is not None:
+        document = _replay(printer, question, states, replay, folder)
+        printer.document(document)
+        if document["same"] is False:
+            raise typer.Exit(1)
+        return
+    document = _validate(printer, question, states, folder, None if starts_file else seed, workers, scheduler)
+    printer.document(document)
+    if document["violations"]:
+        raise typer.Exit(1)
+    if any(failure.get("gave_up") for failure in document["failures"]):
+        raise typer.Exit(4)
 
 
 @app.command()
 def report(
     folder: Annotated[Path, typer.Argument(metavar="DIR", help="a folder that other verbs wrote to")],
+    animate: Annotated[
+        Animation | None, typer.Option(help="also write animation.gif or .mp4 (which needs ffmpeg)")
+    ] = None,
+    fleet: FolderFleet = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -284,9 +403,32 @@ def report(
     from .reports.html import write_report
 
     printer = Printer(json, quiet, verbose)
-    path = write_report(folder)
-    printer.say(f"report: {path}")
-    printer.document({"report": str(path)})
+    document = {"report": str(write_report(folder, fleet))}
+    if animate is not None:
+        from .reports.movie import write_movie
+
+        with printer.progress() as progress:
+            document["animation"] = str(write_movie(folder, animate.value, fleet, progress))
+    printer.say(*(f"{kind}: {path}" for kind, path in document.items()))
+    printer.document(document)
+
+
+@app.command()
+def export(
+    folder: Annotated[Path, typer.Argument(metavar="DIR", help="a folder with a design.json or certificate.json")],
+    kind: Annotated[Format, typer.Option("--format", help="what for")],
+    fleet: FolderFleet = None,
+    json: Json = False,
+    quiet: Quiet = False,
+    verbose: Verbose = False,
+) -> None:
+    """Write the gains for robots (ros2, c) and for papers (latex, csv, markdown)."""
+    from .reports.exports import export as export_files
+
+    printer = Printer(json, quiet, verbose)
+    paths = [str(path) for path in export_files(folder, kind.value, fleet)]
+    printer.say(*(f"wrote {path}" for path in paths))
+    printer.document({"format": kind.value, "files": paths})
 
 
 @app.command()
@@ -296,6 +438,7 @@ def run(
     mode: ModeOption = Mode.fast,
     conditions: ConditionsOption = Conditions.paper,
     excitation: ExcitationOption = None,
+    weights: WeightsOption = Source.given,
     seed: Seed = 0,
     time_limit: TimeLimit = 600.0,
     digits: Digits = 4,
@@ -312,9 +455,9 @@ def run(
     printer = Printer(json, quiet, verbose)
     fleet = _fleet(fleet_path)
     settled = _tolerance(tolerance)
-    made = _design(printer, fleet, mode, conditions, excitation, seed, time_limit, digits, settled)
+    made = _design(printer, fleet, mode, conditions, excitation, weights, seed, time_limit, digits, settled)
     document = {"design": _write_design(printer, made, folder)}
-    chosen = GainsFile(made.gains, made.excitation, conditions.value)
+    chosen = GainsFile(made.gains, made.excitation, conditions.value, made.links)
     document["certificate"] = _certify(printer, fleet, chosen, conditions.value, folder)
     claims = _prove(printer, fleet, folder, part_of_run=True)
     if fleet.start() is None:
@@ -324,7 +467,7 @@ def run(
     path = write_report(folder)
     printer.say(f"report: {path}")
     printer.document({**document, "report": str(path)})
-    broken = document.get("summary", {}).get("peak_torque_ratio", 0) > 1
+    broken = document.get("summary", {}).get("violations", [])
     if broken or not document["certificate"]["valid"] or not _theorem_holds(claims):
         raise typer.Exit(1)
 
@@ -373,6 +516,7 @@ def _design(
     mode: Mode,
     conditions: Conditions,
     excitation: Source | None,
+    weights: Source,
     seed: int,
     time_limit: float,
     digits: int,
@@ -386,6 +530,7 @@ def _design(
             conditions=conditions.value,
             mode=mode.value,
             excitation=excitation.value if excitation else None,
+            weights=weights.value,
             seed=seed,
             digits=digits,
             time_limit=time_limit,
@@ -397,14 +542,16 @@ def _design(
 
 def _write_design(printer: Printer, made: Any, folder: Path) -> dict[str, Any]:
     from .models.files import write_json
+    from .reports.deployment import write_fleet_copy
     from .reports.gain_table import for_terminal, rows, write_csv
     from .reports.versions import versions
     from .synthesis.design import as_json
 
     document = as_json(made, versions())
-    table = rows(made.fleet, made.excitation, made.gains)
+    table = rows(made.used_fleet, made.excitation, made.gains)
     write_json(folder / "design.json", document)
     write_csv(folder / "gains.csv", table)
+    write_fleet_copy(made.fleet, folder)
     times = sorted(made.settling)
     worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
     printer.say(
@@ -422,12 +569,14 @@ def _write_design(printer: Printer, made: Any, folder: Path) -> dict[str, Any]:
 
 
 def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str, folder: Path) -> dict[str, Any]:
+    from .reports.deployment import write_fleet_copy
     from .verify.certificate import certify
 
-    certificate = certify(fleet, chosen.excitation, chosen.gains, conditions)
+    certificate = certify(fleet, chosen.excitation, chosen.gains, conditions, links=chosen.links)
     path = folder / "certificate.json"
     if certificate.valid:
         certificate.write(path)
+        write_fleet_copy(fleet, folder)
         printer.say(f"certificate: {path}")
     else:
         printer.say(
@@ -483,13 +632,15 @@ def _simulate(
     schemes: tuple[Scheme, ...],
     horizon: float | None,
     tolerance: Tolerance,
+    engine: Engine = Engine.auto,
 ) -> dict[str, Any]:
     """Simulate the schemes, the first to be summarised; write trajectory, summary and figures."""
     from .models.errors import UndecidedError
     from .models.files import write_json
+    from .reports.deployment import write_fleet_copy
     from .reports.figures import write_figures
     from .reports.versions import versions
-    from .verify.simulate import simulate, summarize
+    from .verify.simulate import integration_error, simulate, summarize
 
     runs: dict[str, Trajectory] = {}
     for scheme in schemes:
@@ -497,12 +648,13 @@ def _simulate(
         try:
             with printer.progress() as progress:
                 runs[scheme.value] = simulate(
-                    fleet,
+                    fleet.with_links(chosen.links),
                     chosen.gains,
                     chosen.excitation,
                     bounded=scheme is Scheme.bounded,
                     horizon=end,
                     tolerance=tolerance,
+                    engine=engine.value,
                     progress=progress,
                 )
         except UndecidedError as error:
@@ -510,20 +662,78 @@ def _simulate(
                 raise
             printer.say(f"{scheme.value} scheme for comparison: {error}")
     first = runs[schemes[0].value]
-    summary = summarize(fleet, first, tolerance)
+    summary = {**summarize(fleet, first, tolerance), **integration_error(first)}
     record = {**summary, "scheme": schemes[0].value, "fleet_digest": fleet.digest, "versions": versions()}
     first.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", record)
+    write_fleet_copy(fleet, folder)
     write_figures(fleet, {f"{name} scheme": run for name, run in runs.items()}, folder / "figures")
     settled = summary["settling_time_s"]
     printer.say(
         f"simulation of the {schemes[0].value} scheme: "
         + (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
         + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
-        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad",
+        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad, "
+        f"integration error {summary['integration_error_m']:.1g} m",
+        *(f"FALSE: {violation}" for violation in summary["violations"]),
         f"figures: {folder / 'figures'}",
     )
     return record
+
+
+def _starts(fleet: Fleet, count: int, file: Path | None, seed: int, box: float | None) -> tuple[Any, dict[str, Any]]:
+    """The starts to validate from, and where they come from."""
+    from .models.starts import load_starts, random_starts, scale
+    from .verify.validate import origin_of_states
+
+    if file is not None:
+        states = load_starts(file, fleet)
+        return states, {"file": file.name, **origin_of_states(states)}
+    half = scale(fleet) if box is None else box / 2
+    return random_starts(fleet, count, seed, half), {"random": {"seed": seed, "box_m": 2 * half}}
+
+
+def _validate(
+    printer: Printer,
+    question: Question,
+    states: Any,
+    folder: Path,
+    seed: int | None,
+    workers: int | None,
+    scheduler: str | None,
+) -> dict[str, Any]:
+    from .models.files import write_json
+    from .reports.versions import versions
+    from .verify.dispatch import cluster, local
+    from .verify.validate import validate
+    from .verify.validation import sentences, summarize
+
+    with cluster(scheduler) if scheduler else local(workers) as (executor, count), printer.progress() as progress:
+        results = validate(question, states, folder, executor, count, progress)
+    document = {**summarize(question, results, seed), "versions": versions()}
+    write_json(folder / "validation.json", document)
+    printer.say(*sentences(document))
+    return document
+
+
+def _replay(printer: Printer, question: Question, states: Any, number: int, folder: Path) -> dict[str, Any]:
+    """One start again, in this process; compared with the stored result where there is one."""
+    from .models.errors import InputError
+    from .verify.validate import replay
+
+    if number >= len(states):
+        raise InputError(f"--replay {number}: the file has the starts 0 to {len(states) - 1}")
+    result, stored, run = replay(question, number, states[number], folder)
+    path = folder / f"replay-{number}.npz"
+    run.write(path)
+    same = None if stored is None else stored == result
+    verdict = {None: "no stored result to compare with", True: "identical to the stored one", False: "DIFFERS from it"}
+    settled = result["settling_time_s"]
+    printer.say(
+        f"start {number}: {result['failure'] or f'settles after {settled:.6g} s'}; {verdict[same]}",
+        f"trajectory: {path}",
+    )
+    return {**result, "same": same, "trajectory": str(path)}
 
 
 def main() -> None:

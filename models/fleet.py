@@ -174,6 +174,13 @@ class Fleet(Table):
             raise PydanticCustomError("graph", "{mistakes}", {"mistakes": "\n".join(mistakes)})
         return self
 
+    def with_links(self, links: Links | None) -> Fleet:
+        """The same fleet with other links; itself for None."""
+        if links is None:
+            return self
+        kept = {name: getattr(self, name) for name in ("name", "drive", "leader", "excitation", "vehicles")}
+        return Fleet(links=links, **kept)
+
     def __len__(self) -> int:
         return len(self.vehicles)
 

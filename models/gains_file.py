@@ -15,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from .errors import InputError
 from .excitation import Excitation
-from .fleet import ExcitationTable, Fleet, column
+from .fleet import ExcitationTable, Fleet, Links, column
 from .fleet_file import MAX_CSV_BYTES, explain, read_text, read_toml
 from .gains import GAIN_NAMES, Gains
 from .numbers import exact
@@ -28,6 +28,7 @@ class GainsFile:
     gains: Gains  # exact, (N,)
     excitation: Excitation  # the file's own, else the fleet's
     conditions: str | None  # the condition set that they were designed for
+    links: Links | None = None  # the weights that they were designed with, None for the fleet's own
 
 
 def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
@@ -40,16 +41,17 @@ def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
     readers = {".json": _from_json, ".csv": _from_csv, ".toml": _from_toml}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: gains are read from .json, .csv and .toml files; rename it to what it is")
-    values, table, conditions, digest = readers[path.suffix.lower()](path, fleet)
+    values, table, conditions, digest, weights = readers[path.suffix.lower()](path, fleet)
     if digest is not None and digest != fleet.digest:
         raise InputError(f"{path}: was designed for another fleet ({digest}, this is {fleet.digest}); design it again")
     excitation = _excitation(path, table) if table is not None else fleet.psi
     if excitation is None:
         raise InputError(f"{path}: neither it nor the fleet file has an [excitation] table; add one to either")
-    return GainsFile(_gains(path, values, fleet), excitation, conditions)
+    chosen = _gains(path, values, fleet)
+    return GainsFile(chosen, excitation, conditions, _links(path, weights, fleet) if weights is not None else None)
 
 
-_Content = tuple[Mapping[str, Any], Any, str | None, str | None]
+_Content = tuple[Mapping[str, Any], Any, str | None, str | None, Any]
 
 
 def _from_json(path: Path, _: Fleet) -> _Content:
@@ -60,7 +62,7 @@ def _from_json(path: Path, _: Fleet) -> _Content:
     if not isinstance(content, dict) or not isinstance(content.get("gains"), dict):
         raise InputError(f"{path}: is not a design.json: it has no object 'gains'")
     conditions, digest = content.get("conditions"), content.get("fleet_digest")
-    return content["gains"], content.get("excitation"), _text(conditions), _text(digest)
+    return content["gains"], content.get("excitation"), _text(conditions), _text(digest), content.get("weights")
 
 
 def _from_toml(path: Path, fleet: Fleet) -> _Content:
@@ -69,7 +71,7 @@ def _from_toml(path: Path, fleet: Fleet) -> _Content:
     if unknown := set(content) - set(GAIN_NAMES):
         raise InputError(f"{path}: unknown key {min(unknown)!r}; a gains file has {', '.join(GAIN_NAMES)}, excitation")
     values = {key: value if isinstance(value, list) else [value] * len(fleet) for key, value in content.items()}
-    return values, table, None, None
+    return values, table, None, None, None
 
 
 def _from_csv(path: Path, fleet: Fleet) -> _Content:
@@ -86,7 +88,7 @@ def _from_csv(path: Path, fleet: Fleet) -> _Content:
         raise InputError(f"{path}: vehicle {min(extra, key=str)!r} is not in the fleet")
     if lost := [name for name in fleet.names if name not in rows]:
         raise InputError(f"{path}: has no row for vehicle {lost[0]!r}")
-    return {key: [rows[name][key] for name in fleet.names] for key in GAIN_NAMES}, None, None, None
+    return {key: [rows[name][key] for name in fleet.names] for key in GAIN_NAMES}, None, None, None, None
 
 
 def _gains(path: Path, values: Mapping[str, Any], fleet: Fleet) -> Gains:
@@ -128,6 +130,19 @@ def _excitation(path: Path, table: Any) -> Excitation:
         lines = [line for item in error.errors() for line in explain(item, {})]
         raise InputError(*(f"{path}: excitation: {line}" for line in lines)) from None
     return psi
+
+
+def _links(path: Path, weights: Any, fleet: Fleet) -> Links:
+    """Designed weights: on the fleet's own links, and no others."""
+    try:
+        links = Links.model_validate(weights)
+        fleet.with_links(links)
+    except ValidationError as error:
+        raise InputError(f"{path}: weights: {error.errors()[0]['msg']}; design them again") from None
+    own = {frozenset(edge[:2]) for edge in fleet.links.edges}
+    if {frozenset(edge[:2]) for edge in links.edges} != own:
+        raise InputError(f"{path}: weights: their edges are not those of the fleet; design them again")
+    return links
 
 
 def _text(value: Any) -> str | None:

@@ -177,9 +177,10 @@ class _Flow:
 
 
 def _directions(count: int) -> list[Any]:
-    """The slowest mode, and the slowest leaning towards each other one on either side; in modes."""
+    """Every mode, and the slowest leaning towards each other one on either side; in modes."""
     slowest, *others = np.eye(count)
-    return [ca.DM(slowest), *(ca.DM(slowest + sign * TILT * other) for other in others for sign in (1, -1))]
+    leaning = [slowest + sign * TILT * other for other in others for sign in (1, -1)]
+    return [ca.DM(direction) for direction in (slowest, *others, *leaning)]
 
 
 def _approach(scalars: Scalars, distance: float) -> Any:

@@ -12,7 +12,7 @@ import numpy as np
 from ..models.equations import Plant, State
 from ..models.errors import InfeasibleError, InputError
 from ..models.excitation import Excitation
-from ..models.fleet import Fleet, floats
+from ..models.fleet import Fleet, Links, floats
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import decimal_text
@@ -48,6 +48,7 @@ class Design:
     """Gains for a fleet, exact and within their conditions, with what was predicted and measured of them."""
 
     fleet: Fleet
+    links: Links | None  # designed weights, None where the fleet's own are used
     conditions: ConditionSet
     excitation: Excitation
     excitation_designed: bool
@@ -62,7 +63,12 @@ class Design:
 
     def inequalities(self) -> list[Inequality]:
         """The conditions, exact, one entry per vehicle; all hold."""
-        return self.conditions.inequalities(exact_numbers(), self.fleet.limits(self.excitation), self.gains)
+        return self.conditions.inequalities(exact_numbers(), self.used_fleet.limits(self.excitation), self.gains)
+
+    @property
+    def used_fleet(self) -> Fleet:
+        """The fleet with the weights that the gains are for."""
+        return self.fleet.with_links(self.links)
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,6 +115,7 @@ def design(
     conditions: str = "paper",
     mode: str = "fast",
     excitation: str | None = None,
+    weights: str = "given",
     seed: int = 0,
     digits: int = 4,
     time_limit: float = 600.0,
@@ -123,6 +130,7 @@ def design(
         conditions: "paper" for (15) and (16), "corrected" for (16*), "rate-bounded" for (15') and (16*).
         mode: "fast" for the averaged program ranked by simulation, "best" to search on from there.
         excitation: "given" or "designed"; None takes the fleet's own where it has one.
+        weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
         digits: significant digits of every gain.
         time_limit: s of wall clock for mode "best".
@@ -138,7 +146,8 @@ def design(
     """
     if mode not in ("fast", "best"):
         raise InputError(f"mode = {mode!r} is not known; choose one of fast, best")
-    task = prepare(fleet, conditions, excitation, seed, digits, tolerance)
+    links = _weights(fleet, weights)
+    task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
     starts = task.starts(RANKING_STARTS, seed)
@@ -151,6 +160,7 @@ def design(
     best = ranked[0]
     return Design(
         fleet=fleet,
+        links=links,
         conditions=task.conditions,
         excitation=best.excitation,
         excitation_designed=task.excitation_designed,
@@ -193,6 +203,16 @@ def prepare(
         digits,
         seed,
     )
+
+
+def _weights(fleet: Fleet, weights: str) -> Links | None:
+    if weights not in ("given", "designed"):
+        raise InputError(f"weights = {weights!r} is not known; choose given or designed")
+    if weights == "given":
+        return None
+    from .weight_design import design_weights
+
+    return design_weights(fleet)
 
 
 def _check_starts(fleet: Fleet) -> None:
@@ -239,7 +259,7 @@ def rank(
     """The candidates by cost over the starts, least first, and the settling times (s) of the first."""
     found: list[tuple[float, int, list[float]]] = []
     for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
-        found.append((cost(measured, horizon), number, [run.time for run in measured]))
+        found.append((cost(measured, horizon), number, [run.time for run in measured.runs]))
         progress("ranking candidates by simulation", (number + 1) / len(candidates))
     found.sort()
     return [candidates[number] for _, number, _ in found], found[0][2]
@@ -259,6 +279,7 @@ def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
         "excitation": made.excitation.table(),
         "excitation_designed": made.excitation_designed,
         "psi_bar": decimal_text(made.excitation.bound),
+        "weights": None if made.links is None else made.links.model_dump(mode="json"),
         "vehicles": made.fleet.names,
         "gains": {name: [decimal_text(value) for value in getattr(made.gains, name)] for name in GAIN_NAMES},
         "origin": made.origin,

@@ -79,13 +79,13 @@ def _feasible(channel: Channel, laplacian: Floats, ratio: float, gamma: float) -
             room <= 1,
         ],
     )
-    if not _optimal(problem) or room.value < 0 or np.min(M.value) <= 0:
+    if not optimal(problem) or room.value < 0 or np.min(M.value) <= 0:
         return None
     p = channel.inertia / M.value
     return p, C.value * p
 
 
-def _optimal(problem: Any) -> bool:
+def optimal(problem: Any) -> bool:
     """Whether Clarabel calls a problem optimal: nothing less is of use."""
     import warnings
 
@@ -114,6 +114,6 @@ def nearest(conditions: ConditionSet, limits: Limits, target: Gains) -> Gains | 
     ]
     distance = sum(cp.sum_squares(factor - 1) for factor in relative.values())
     problem = cp.Problem(cp.Minimize(distance), constraints)
-    if not _optimal(problem) or any(np.min(factor.value) <= 0 for factor in relative.values()):
+    if not optimal(problem) or any(np.min(factor.value) <= 0 for factor in relative.values()):
         return None
     return Gains(*(getattr(target, name) * relative[name].value for name in GAIN_NAMES))

@@ -77,11 +77,11 @@ class CrossTrack:
         self._phases = [np.exp(1j * w * turns)[:, None] for w, _ in excitation.phasors()]
 
     def flow(self, y: Floats) -> Floats:
-        """c(y), m/s, for cross-track errors y (N,) in m; cubic in y."""
+        """c(y), m/s, for cross-track errors y (N,) or (N, K) in m; cubic in y."""
         b = self._L @ y
-        c = np.zeros(len(y))
+        c = np.zeros(y.shape)
         for w, amplitude, heading, track in self._tones:
-            theta = heading.solve((amplitude * b).astype(complex))
+            theta = heading.solve((amplitude * b.T).T.astype(complex))
             x = -track.solve(theta * b)
             c -= (theta.conj() * 1j * w * x).real / 2
         return c

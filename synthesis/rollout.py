@@ -45,8 +45,9 @@ class Rollout:
         reltol: float = 1e-5,
         abstol: float = 1e-6,
         bounded: bool = True,
+        multistep: str = "bdf",
     ) -> None:
-        """Build the integrator: output every `step` s, in pieces of `piece` s."""
+        """Build the integrator: output every `step` s, in pieces of `piece` s; `multistep` is bdf or adams."""
         self.plant = plant
         self.vehicles = plant.graph.vehicles
         self.per_piece = max(1, round(piece / step))
@@ -67,14 +68,23 @@ class Rollout:
             {"x": x, "t": t, "p": p, "ode": ca.vertcat(*rates)},
             0.0,
             (step * np.arange(1, self.per_piece + 1)).tolist(),
-            {"reltol": reltol, "abstol": abstol, "max_num_steps": MAX_STEPS},
+            {
+                "reltol": reltol,
+                "abstol": abstol,
+                "max_num_steps": MAX_STEPS,
+                "linear_multistep_method": multistep,
+            },
         )
 
-    def pieces(self, gains: Gains, start: State, tempo: float = 1.0) -> Iterator[tuple[Floats, State]]:
-        """Piece after piece of the solution: times (K,) and states (K, N). UndecidedError where CVODES stalls."""
+    def pieces(
+        self, gains: Gains, start: State, tempo: float = 1.0, begin: float = 0.0
+    ) -> Iterator[tuple[Floats, State]]:
+        """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
+
+        Raises UndecidedError where CVODES stalls.
+        """
         x = np.concatenate(start)
         columns = np.concatenate([np.asarray(getattr(gains, name), dtype=float) for name in GAIN_NAMES])
-        begin = 0.0
         while True:
             try:
                 solved = self._integrator(x0=x, p=np.concatenate([columns, [begin, tempo]]))
@@ -104,33 +114,23 @@ class Rollout:
         return np.maximum(position / tolerance.position, heading / tolerance.heading)
 
     def settling(self, gains: Gains, start: State, horizon: float, tolerance: Tolerance) -> Settling:
-        """When the fleet settles from a start: within the tolerance, and within half of it.
-
-        A run that has stayed within half the tolerance for a whole piece ends there.
-        """
-        last, last_half, excess = 0.0, 0.0, math.inf
+        """When the fleet settles from a start. A run that has stayed settled for a whole piece ends there."""
+        last, excess = 0.0, math.inf
         for times, states in self.pieces(gains, start):
             ratio = self.excess(states, tolerance)
             excess = float(ratio.max())
-            last, last_half = _last(times, ratio > 1, last), _last(times, ratio > 0.5, last_half)
+            outside = np.flatnonzero(ratio > 1)
+            last = float(times[outside[-1]]) if outside.size else last
             end = float(times[-1])
-            if last_half < times[0] - self.step or end >= horizon:
+            if last < times[0] - self.step or end >= horizon:
                 break
-        time, half = (value if value < end - self.step else math.inf for value in (last, last_half))
-        return Settling(time, half, excess)
-
-
-def _last(times: Floats, outside: NDArray[np.bool_], before: float) -> float:
-    """The last of the times that is outside, or the one before where none is."""
-    found = np.flatnonzero(outside)
-    return float(times[found[-1]]) if found.size else before
+        return Settling(last if last < end - self.step else math.inf, excess)
 
 
 class Settling(NamedTuple):
     """What one rollout says."""
 
     time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
-    half: float  # s, the same for half the tolerance
     excess: float  # the largest error over its tolerance during the last piece
 
 

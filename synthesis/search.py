@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING
 
-from .measure import Measured, cost, measure_all
+from .measure import cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
 
@@ -67,5 +67,4 @@ def search(
 def _costs(
     task: Task, candidates: Sequence[Candidate], starts: Sequence[State], horizon: float, executor: Executor | None
 ) -> list[float]:
-    measured: list[Measured] = list(measure_all(task, candidates, starts, horizon, executor))
-    return [cost(runs, horizon) for runs in measured]
+    return [cost(measured, horizon) for measured in measure_all(task, candidates, starts, horizon, executor)]

@@ -11,6 +11,7 @@ from gaincert.models.limits import exact_numbers, float_numbers
 from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.starts import random_starts
+from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.conditions import CONDITION_SETS
 from gaincert.synthesis.design import FALLBACK, design
 from gaincert.synthesis.excitation_design import flat_tones
@@ -20,6 +21,7 @@ from gaincert.synthesis.rates import exponential_rate, heading_coefficients, tra
 from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.rounding import floor_digits, rounded
 from gaincert.synthesis.structure import Scalars, structured, within
+from gaincert.synthesis.weight_design import design_weights
 
 SETS = list(CONDITION_SETS)
 
@@ -114,6 +116,17 @@ def test_designed_psi_is_flat_and_has_no_mean() -> None:
     assert psi.persistent
 
 
+def test_designed_weights_raise_the_slowest_mode_on_the_same_links() -> None:
+    fleet = paper_fleet()
+    links = design_weights(fleet)
+    assert [edge[:2] for edge in links.edges] == [edge[:2] for edge in fleet.links.edges]
+    assert set(links.leader_links) == set(fleet.links.leader_links)
+    for (*_, new), (*_, old) in zip(links.edges, fleet.links.edges, strict=True):
+        assert old / 10 <= new <= old * 10
+    before, after = (float(modes(f.plant().graph).eigenvalues[0]) for f in (fleet, fleet.with_links(links)))
+    assert after > 2 * before
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "own_limit", "other_limit"), [("paper", 600, 1500), ("corrected", 250, 250)])
 def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: float) -> None:
@@ -125,7 +138,7 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
     assert start is not None
     starts = [start, *random_starts(fleet, 4, seed=1234)]
     measured = measure((fleet.plant(), made, starts, 2 * other_limit, Tolerance()))  # type: ignore[arg-type]
-    times = [run.time for run in measured]
+    times = [run.time for run in measured.runs]
     assert times[0] < own_limit
     assert max(times) < other_limit
 

@@ -90,7 +90,7 @@ def certify(
     """
     gain_texts = _gain_texts(fleet, gains)
     chosen = condition_set(conditions)
-    used = _with_links(fleet, links)
+    used = fleet.with_links(links)
     limits = used.limits(excitation)
     found = chosen.inequalities(exact_numbers(), limits, gains)
     broken = violations(fleet.names, chosen, limits, gains, found)
@@ -176,13 +176,6 @@ def _gain_texts(fleet: Fleet, gains: Gains) -> dict[str, list[str]]:
             if not value > 0:
                 raise InputError(f"{label} = {decimal_text(Fraction(value))} must be > 0 (A2)")
     return texts
-
-
-def _with_links(fleet: Fleet, links: Links | None) -> Fleet:
-    if links is None:
-        return fleet
-    kept = {name: getattr(fleet, name) for name in ("name", "drive", "leader", "excitation", "vehicles")}
-    return Fleet(links=links, **kept)
 
 
 def _designed(fleet: Fleet, excitation: Excitation, links: Links | None) -> dict[str, Any]:
