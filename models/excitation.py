@@ -13,6 +13,7 @@ from typing import Any
 from .numbers import decimal_text
 from .ops import Array, Ops
 
+CELLS = 20_000  # of the branch and bound at most
 BOUND_EXCESS = Fraction(1, 10**9)  # a certified bound exceeds the supremum by at most this fraction of it
 
 
@@ -106,7 +107,7 @@ def _supremum(psi: Excitation) -> Fraction:
 
     On a cell of half-width h around phase a, Taylor's theorem gives |psi| <= |psi(a)| + |psi'(a)| h + M h^2 / 2 with
     M >= |psi''| everywhere. The cell with the largest bound is halved until it is within BOUND_EXCESS of a value
-    that psi takes.
+    that psi takes. A psi with a very flat top runs out of CELLS first: its bound is then as valid and a little looser.
     """
     from flint import arb, ctx
 
@@ -126,7 +127,7 @@ def _supremum(psi: Excitation) -> Fraction:
         cells = [cell(Fraction(2 * i + 1, 2 * parts), Fraction(1, 2 * parts)) for i in range(parts)]
         heapify(cells)
         lower = max(entry[4] for entry in cells)
-        while not cells[0][3] <= lower * (1 + _arb(BOUND_EXCESS)):
+        while len(cells) < CELLS and not cells[0][3] <= lower * (1 + _arb(BOUND_EXCESS)):
             _, a, h, _, _ = heappop(cells)
             for centre in (a - h / 2, a + h / 2):
                 heappush(cells, new := cell(centre, h / 2))

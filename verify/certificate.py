@@ -16,6 +16,7 @@ from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.files import write_text
 from ..models.fleet import Fleet, Harmonics, Links, SquareWave, column, digest_of, floats
+from ..models.fleet_file import read_text
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import Interval, decimal_text, high, low
@@ -68,8 +69,9 @@ class Certificate:
     @classmethod
     def read(cls, path: str | Path, fleet: Fleet | None = None) -> Certificate:
         """The certificate in a file, checked by the kernel, against a fleet where one is given. Raises InputError."""
-        verdict = verify(path, fleet)
-        content = kernel.load(Path(path).read_bytes())
+        data = read_text(Path(path), kernel.MAX_BYTES).encode()  # once: what was checked is what is used
+        verdict = _checked(data, path, fleet)
+        content = kernel.load(data)
         stated = content["margins"] if verdict.valid else {}
         return cls(content, verdict, {name: column(map(_number, entries)) for name, entries in stated.items()})
 
@@ -112,11 +114,26 @@ def certify(
         "rates": NO_RATES if broken else _rates(used, gains),
         "provenance": {"seed": seed, "versions": _versions(), "notes": notes},
     }
-    verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else kernel.check(_text(content))
+    verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else _self_check(content)
     if verdict.rule == "rates":  # rates are welcome, not needed: the rounding of a float must not cost the rest
         content["rates"] = NO_RATES
-        verdict = kernel.check(_text(content))
+        verdict = _self_check(content)
     return Certificate(content, verdict, margins, tuple(broken), tuple(notes))
+
+
+def _self_check(content: dict[str, Any]) -> kernel.Verdict:
+    """The kernel's verdict on what is to be written. Raises InputError where it has numbers that it does not read."""
+    try:
+        return kernel.check(_text(content))
+    except kernel.UnreadableError as error:
+        raise InputError(f"certificate: the kernel refused it: {error}; use numbers of moderate size") from None
+
+
+def _checked(data: bytes, path: str | Path, fleet: Fleet | None) -> kernel.Verdict:
+    try:
+        return kernel.check_data(data, fleet.digest if fleet else None)
+    except kernel.UnreadableError as error:
+        raise InputError(f"{path}: {error}; give a certificate.json that gaincert certify wrote") from None
 
 
 def verify(path: str | Path, fleet: Fleet | None = None) -> kernel.Verdict:

@@ -56,6 +56,7 @@ MAX_VALUES = 64 * 10**6  # values in it: bounds the memory
 MAX_LENGTH = 130  # characters of a number
 MAX_HARMONIC = 200
 MAX_WORK = 5 * 10**6  # evaluations of psi, times its highest harmonic
+WIDE = 40_000  # times this many, squared bits of its point: what an evaluation costs beyond its count
 
 KEYS: tuple[str, ...] = ("schema", "conditions", "fleet", "designed", "gains", "psi_bar")  # read at once
 KEYS += ("digest", "psi_point", "psi_power", "forest", "margins", "rates", "provenance")  # read by their rules
@@ -454,7 +455,7 @@ def _bounded_on_half(psi: Psi, bar: Fraction, half_turn: int) -> None:
         p, k, left, right = arcs.pop()
         if min(left, right) >= 1 << (199 - 2 * k):  # e^2 / 2 = 2^(-2k - 1)
             continue
-        work -= 1
+        work -= 1 + max(terms) * k * k // WIDE  # a point of k bits makes integers of max(terms) k bits
         if work < 0 or k > 90:
             raise FalseError(f"psi_bar = {shown(bar)} is too close to the supremum to be decided; state a larger one")
         middle = slack(2 * p + 1, 2 ** (k + 1))
@@ -554,8 +555,9 @@ def holds_with_margin(where: str, sides: Sides, margin: Fraction) -> None:
 
 
 def _root(square: Fraction) -> Fraction:
-    """A root to show."""
-    return Fraction(isqrt(square.numerator * 10**60 // square.denominator), 10**30)
+    """A root to show, of 30 digits or more."""
+    digits = max(30, 30 + len(str(square.denominator)) - len(str(square.numerator)))
+    return Fraction(isqrt(square.numerator * 10 ** (2 * digits) // square.denominator), 10**digits)
 
 
 # -- rates ------------------------------------------------------------------------------------------------------------
@@ -604,17 +606,23 @@ def theorem(claims: Claims) -> tuple[str, ...]:
         "uniformly globally bounded, and the formation (z_i - delta_i = z_l, theta_i = theta_l, v_i = omega_i = 0) is "
         "uniformly globally asymptotically stable.",
         "From every initial state and at all times, no wheel torque exceeds its limit (Constraint 1).",
-        f"|psi| <= {shown(claims.psi_bar)} (psi_bar, exactly as in the certificate).",
+        f"|psi| <= {raw['psi_bar']} (psi_bar).",
     ]
     if raw["conditions"] == "rate-bounded":
         lines.append("|omega_i(t)| <= max(|omega_i(t0)|, atanh((p_omega D + sqrt2 k psi_bar D) / d_omega)), t >= t0.")
     for condition, quantity in (("speed limit", "v"), ("turn rate limit", "omega")):
         if condition in raw["margins"]:
             lines.append(f"|{quantity}_i(t)| <= max(|{quantity}_i(t0)|, its limit), t >= t0, for each limit asked for.")
-    for name, what in (("gamma_omega", "headings"), ("gamma_v", "along-track errors")):
+    for name, motion in (
+        (
+            "gamma_omega",
+            "the headings where alpha is 0, I omega' + d_omega omega + p_omega L_l theta~ = 0",
+        ),
+        ("gamma_v", "the along-track errors, m v' + d_v v + p_v L_l x~ = 0"),
+    ):
         if raw["rates"][name] is not None:
-            value = shown(number(raw["rates"][name]["rate"]))
-            lines.append(f"The linearised {what} decay with every exponent <= -{name}, {name} = {value} 1/s.")
+            stated = raw["rates"][name]["rate"]
+            lines.append(f"Linearised at the formation, {motion}, have no exponent above -{stated} 1/s ({name}).")
     return tuple(lines)
 
 
