@@ -33,6 +33,7 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+LARGE = 200  # vehicles; beyond, one local optimum has to do
 MODES = 8  # slowest modes that the program sees of a large fleet
 TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
 TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
@@ -74,7 +75,8 @@ def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
     `distance` (m) is how far the fleet starts from its goal.
     """
     optima: list[tuple[Scalars, float]] = []
-    for time_constants in TIME_CONSTANTS:
+    large = len(task.fleet) > LARGE
+    for time_constants in TIME_CONSTANTS[1:2] if large else TIME_CONSTANTS:
         program = AveragedProgram(task, distance=distance, time_constants=time_constants)
         for start in STARTS:
             found = program.solve(start)
@@ -82,6 +84,8 @@ def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
                 np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima
             ):
                 optima.append(found)
+            if large and optima:
+                break
     return optima
 
 
@@ -190,9 +194,18 @@ def _approach(scalars: Scalars, distance: float) -> Any:
 
 
 def _conditions(plant: Plant, limits: Limits, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
-    """Every condition for every vehicle as an expression that must be >= 0, relative to its large side."""
-    gains = structured(scalars, plant.map(column), column(limits.degree))
-    numbers = limits.map(column)
+    """Every condition as an expression that must be >= 0, relative to its large side, for every kind of vehicle.
+
+    With structured gains the degree cancels in each of them: vehicles of one kind share their conditions.
+    """
+    kinds = np.stack([plant.m, plant.inertia, limits.r, limits.arm, limits.torque, limits.speed, limits.turn_rate])
+    _, first = np.unique(kinds, axis=1, return_index=True)
+
+    def of_each_kind(values: Any) -> Any:
+        return column(values[first] if np.ndim(values) else values)
+
+    numbers = limits.map(of_each_kind)
+    gains = structured(scalars, of_each_kind(plant.m), of_each_kind(plant.inertia), numbers.degree)
     inequalities = [
         condition(casadi_numbers(), numbers, gains)
         for condition in (conditions.torque, *conditions.homogeneous(limits))

@@ -26,6 +26,7 @@ from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
+RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
 LONGEST = 20_000.0  # s, of a rollout
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
@@ -88,7 +89,7 @@ class Task:
 
     def candidate(self, origin: str, scalars: Scalars) -> Candidate:
         """Rounded gains and excitation of scalars. Raises UndecidedError where rounding cannot keep the conditions."""
-        gains = within(self.conditions, self.limits, structured(scalars, self.plant, self.limits.degree))
+        gains = within(self.conditions, self.limits, structured(scalars, self.plant.m, self.plant.inertia, self.limits.degree))
         return replace(self.exactly(origin, gains, float(scalars.tempo)), scalars=scalars)
 
     def exactly(self, origin: str, gains: Gains, tempo: float) -> Candidate:
@@ -150,7 +151,7 @@ def design(
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    starts = task.starts(RANKING_STARTS, seed)
+    starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best":
         from .search import search
@@ -243,8 +244,9 @@ def _candidates(task: Task) -> tuple[list[Candidate], float]:
         found.append(task.candidate("averaged program", scalars))
         predicted.append(time)
     found += [task.exactly("convex programs", gains, tempo) for gains, tempo in convex_designs(task)]
-    found.append(task.candidate("closed form", FALLBACK))
-    horizon = 6 * min(predicted, default=500.0)
+    if not found:
+        found.append(task.candidate("closed form", FALLBACK))
+    horizon = (6 if len(task.fleet) <= RANKED_VEHICLES else 2) * min(predicted, default=500.0)
     return found, float(np.clip(horizon, 300.0, LONGEST))
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,18 +44,32 @@ def track_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
     return plant.m / gains.p_v, gains.d_v / gains.p_v
 
 
-def exponential_rate(M: Floats, C: Floats, L: Floats) -> float:
+def exponential_rate(M: Floats, C: Floats, L: Any) -> float:
     """The largest gamma with C - 2 gamma M >= 0 and L - gamma C + gamma^2 M >= 0, which certifies e^(-gamma t).
 
-    M, C (N,) are diagonals, L (N, N) is symmetric positive definite. Bisection on the smallest eigenvalue; the second
-    matrix falls with gamma as long as the first condition holds.
+    M, C (N,) are diagonals, L (N, N) is sparse, symmetric and positive definite. Bisection; the second matrix falls with
+    gamma as long as the first condition holds.
     """
+    from scipy.sparse import diags_array
+
     low, high = 0.0, float(np.min(C / (2 * M)))
     for _ in range(50):
         middle = (low + high) / 2
-        shifted = L + np.diag(middle * middle * M - middle * C)
-        low, high = (middle, high) if np.linalg.eigvalsh(shifted)[0] >= 0 else (low, middle)
+        shifted = L + diags_array(middle * middle * M - middle * C)
+        low, high = (middle, high) if _positive_definite(shifted) else (low, middle)
     return low
+
+
+def _positive_definite(matrix: Any) -> bool:
+    """Whether a sparse symmetric matrix has positive pivots, taken down its diagonal."""
+    from scipy.sparse.linalg import splu
+
+    options = {"SymmetricMode": True}
+    try:
+        factors = splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+    except RuntimeError:  # an exact zero on the diagonal: singular
+        return False
+    return bool(np.array_equal(factors.perm_r, factors.perm_c) and np.all(factors.U.diagonal() > 0))
 
 
 class CrossTrack:
@@ -115,7 +130,7 @@ class CrossTrack:
 
 def rates(plant: Plant, gains: Gains, excitation: Excitation, position: float = 0.1, heading: float = 0.1) -> Rates:
     """All rates of a design (gains as floats), for a tolerance in m and rad."""
-    L = plant.graph.composed_laplacian().toarray()
+    L = plant.graph.composed_laplacian()
     tail, kappa = CrossTrack(plant, gains, excitation).time_to(np.ones(plant.graph.vehicles), position, heading)
     return Rates(
         gamma_omega=exponential_rate(*heading_coefficients(plant, gains), L),

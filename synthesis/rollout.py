@@ -65,7 +65,7 @@ class Rollout:
         self._integrator = ca.integrator(
             "closed_loop",
             "cvodes",
-            {"x": x, "t": t, "p": p, "ode": ca.vertcat(*rates)},
+            {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))},
             0.0,
             (step * np.arange(1, self.per_piece + 1)).tolist(),
             {
@@ -150,6 +150,11 @@ class Deadline:
         """How much of the time is gone; more than 1 when it is up."""
         gone = time.monotonic() - self._begin
         return gone / self._seconds if self._seconds > 0 else math.inf
+
+
+def shared(expression: Any) -> Any:
+    """The expression with its common parts computed once; large ones are left as they are."""
+    return ca.cse(expression) if isinstance(expression, ca.SX) else expression
 
 
 def column(values: Any) -> Any:

@@ -15,7 +15,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ..models.equations import Plant
 from ..models.gains import Gains
 from ..models.limits import Inequality, Limits, float_numbers
 from ..models.ops import Array
@@ -46,10 +45,10 @@ class Scalars:
         return cls(*np.exp(np.asarray(logarithms, dtype=float)).tolist())
 
 
-def structured(scalars: Scalars, plant: Plant, degree: Array) -> Gains:
-    """The gains (N,) that the scalars stand for, before any condition."""
-    p_omega = plant.inertia / (scalars.mu_omega * degree)
-    p_v = plant.m / (scalars.mu_v * degree)
+def structured(scalars: Scalars, m: Array, inertia: Array, degree: Array) -> Gains:
+    """The gains (N,) that the scalars stand for, before any condition; m (kg), inertia (kg m^2) and degree (N,)."""
+    p_omega = inertia / (scalars.mu_omega * degree)
+    p_v = m / (scalars.mu_v * degree)
     return Gains(
         p_v=p_v,
         d_v=scalars.e * degree * p_v,

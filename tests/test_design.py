@@ -47,7 +47,7 @@ def test_any_scalars_become_exact_gains_within_the_conditions(
     psi = flat_tones()
     exact = limited.limits(psi)
     conditions = CONDITION_SETS[name]
-    raw = structured(scalars, limited.plant(), floats(exact.degree))
+    raw = structured(scalars, limited.plant().m, limited.plant().inertia, floats(exact.degree))
     gains = rounded(conditions, exact, within(conditions, exact.map(floats), raw), digits)
     for inequality in conditions.inequalities(exact_numbers(), exact, gains):
         assert all(inequality.holds), inequality.source
@@ -67,7 +67,7 @@ def test_rounding_loses_no_more_than_the_last_digits() -> None:
 def test_nearest_gains_leave_feasible_ones_alone_and_repair_others(name: str) -> None:
     fleet, conditions = paper_fleet(), CONDITION_SETS[name]
     limits = fleet.limits(flat_tones()).map(floats)
-    good = within(conditions, limits, structured(FALLBACK, fleet.plant(), limits.degree))
+    good = within(conditions, limits, structured(FALLBACK, fleet.plant().m, fleet.plant().inertia, limits.degree))
     same = nearest(conditions, limits, good)
     assert same is not None
     for key in GAIN_NAMES:
@@ -88,7 +88,7 @@ def test_the_rate_program_reaches_a_rate_that_eigenvalues_confirm() -> None:
         found = fastest(translation(plant, limits, share), laplacian)
         assert found is not None
         gamma, p, d = found
-        assert exponential_rate(plant.m / p, d / p, laplacian) == pytest.approx(gamma, rel=0.01)
+        assert exponential_rate(plant.m / p, d / p, plant.graph.composed_laplacian()) == pytest.approx(gamma, rel=0.01)
         assert np.all(limits.r / 2 * (d + np.sqrt(2) * limits.degree * p) <= share * limits.torque * (1 + 1e-6))
         rates.append(gamma)
     assert rates == sorted(rates)
@@ -102,7 +102,7 @@ def test_certified_rates_are_those_of_the_eigenvalues() -> None:
     plant, gains = paper_fleet().plant(), paper_gains().map(floats)
     laplacian = plant.graph.composed_laplacian().toarray()
     for M, C in (heading_coefficients(plant, gains), track_coefficients(plant, gains)):
-        rate = exponential_rate(M, C, laplacian)
+        rate = exponential_rate(M, C, plant.graph.composed_laplacian())
         companion = np.block([[np.zeros((6, 6)), np.eye(6)], [-laplacian / M[:, None], -np.diag(C / M)]])
         slowest = -np.linalg.eigvals(companion).real.max()
         assert 0.8 * slowest <= rate <= slowest * (1 + 1e-9)

@@ -65,7 +65,7 @@ def test_the_work_on_a_bound_near_the_supremum_is_limited(zeros: int) -> None:
 
 
 def test_a_flat_topped_psi_is_bounded_and_certified_in_bounded_time() -> None:
-    """psi = 3/2 - cos(t/2)^40 has a top so flat that its supremum is hard to approach; a looser bound serves as well."""
+    """psi = 3/2 - cos(t/2)^40 has so flat a top that its supremum is hard to approach; a looser bound serves."""
     n = 20
     powers = [Fraction(comb(2 * n, n - k), 4**n) for k in range(n + 1)]
     cos = tuple(-Fraction(round(2 * value * 10**12), 10**12) for value in powers[1:])

@@ -65,7 +65,7 @@ def test_the_averaged_flow_is_that_of_the_simulation(make) -> None:
     """Period means of y fall at the averaged rate within 1 %: a ratio of times, taken after transients have died."""
     fleet = make()
     plant = fleet.plant()
-    gains = structured(GOOD, plant, plant.graph.degree)
+    gains = structured(GOOD, plant.m, plant.inertia, plant.graph.degree)
     flow = CrossTrack(plant, gains, PSI)
     means = simulated_decay(fleet, gains, np.full(len(fleet), 0.02), 60)
     first, last = means[:, 20], means[:, 59]
@@ -78,7 +78,7 @@ def test_one_vehicle_has_the_closed_form_kappa() -> None:
     """THEORY section 3: kappa = 1/2 sum |G A|^2 Re(i w F)."""
     fleet = one_vehicle()
     plant = fleet.plant()
-    gains = structured(GOOD, plant, plant.graph.degree)
+    gains = structured(GOOD, plant.m, plant.inertia, plant.graph.degree)
     a, kappa = 1.5, 0.0
     p_w, d_w, k, p_v, d_v = (float(getattr(gains, key)[0]) for key in ("p_omega", "d_omega", "k_alpha", "p_v", "d_v"))
     for w, A in ((1.0, 1.2), (3.0, 0.3)):
@@ -91,7 +91,7 @@ def test_one_vehicle_has_the_closed_form_kappa() -> None:
 def test_the_flow_is_cubic_and_the_tail_time_follows_it() -> None:
     fleet = one_vehicle()
     plant = fleet.plant()
-    track = CrossTrack(plant, structured(GOOD, plant, plant.graph.degree), PSI)
+    track = CrossTrack(plant, structured(GOOD, plant.m, plant.inertia, plant.graph.degree), PSI)
     kappa = track.flow(np.array([1.0]))[0]
     assert track.flow(np.array([0.1]))[0] == pytest.approx(kappa / 1000, rel=1e-12)
     time, coefficient = track.time_to(np.array([1.0]), 0.1, 10.0)
@@ -108,7 +108,7 @@ def test_the_programs_flow_is_the_flow() -> None:
     D = floats(fleet.graph.degree)
     slow = modes(plant.graph)
     flow = _Flow(slow, D, PSI, GOOD)
-    track = CrossTrack(plant, structured(GOOD, plant, D), PSI)
+    track = CrossTrack(plant, structured(GOOD, plant.m, plant.inertia, D), PSI)
     for direction in np.random.default_rng(0).normal(size=(5, 6)):
         y = slow.vectors @ direction
         expected = (y * D) @ track.flow(y) * D.sum() / (y @ (D * y)) ** 2
