@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import BrokenExecutor, Executor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -43,7 +43,10 @@ def measure_all(
 ) -> Iterator[Measured]:
     """The measurements of candidates in turn, over common starts, in other processes where there is an executor."""
     jobs: list[Job] = [(task.plant, candidate, starts, horizon, task.tolerance) for candidate in candidates]
-    return executor.map(measure, jobs) if executor else map(measure, jobs)
+    try:
+        yield from executor.map(measure, jobs) if executor else map(measure, jobs)
+    except BrokenExecutor:
+        raise UndecidedError("design: a worker process died; run the same command again") from None
 
 
 def measure(job: Job) -> Measured:
