@@ -89,9 +89,8 @@ class Task:
 
     def candidate(self, origin: str, scalars: Scalars) -> Candidate:
         """Rounded gains and excitation of scalars. Raises UndecidedError where rounding cannot keep the conditions."""
-        gains = within(
-            self.conditions, self.limits, structured(scalars, self.plant.m, self.plant.inertia, self.limits.degree)
-        )
+        raw = structured(scalars, self.plant.m, self.plant.inertia, self.limits.degree)
+        gains = within(self.conditions, self.limits, raw)
         return replace(self.exactly(origin, gains, float(scalars.tempo)), scalars=scalars)
 
     def exactly(self, origin: str, gains: Gains, tempo: float) -> Candidate:

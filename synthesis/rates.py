@@ -47,8 +47,8 @@ def track_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
 def exponential_rate(M: Floats, C: Floats, L: Any) -> float:
     """The largest gamma with C - 2 gamma M >= 0 and L - gamma C + gamma^2 M >= 0, which certifies e^(-gamma t).
 
-    M, C (N,) are diagonals, L (N, N) is sparse, symmetric and positive definite. Bisection; the second matrix falls with
-    gamma as long as the first condition holds.
+    M, C (N,) are diagonals, L (N, N) is sparse, symmetric and positive definite. Bisection; the second matrix falls
+    with gamma as long as the first condition holds.
     """
     from scipy.sparse import diags_array
 
