@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/paper
 
-.PHONY: demo test check bench clean
+.PHONY: demo test check bench docs clean
 
 demo: $(VENV)/base
 	$(BIN)/gaincert run examples/paper.toml -o $(OUT)
@@ -22,6 +22,11 @@ check: $(VENV)/dev
 bench: $(VENV)/test
 	$(BIN)/python -m benchmarks
 
+docs: $(VENV)/docs
+	mkdir -p build/types && ln -sfn ../.. build/types/gaincert
+	$(BIN)/mkdocs build --strict --quiet
+	@echo "open build/docs/index.html"
+
 clean:
 	rm -rf $(VENV) build out
 
@@ -33,9 +38,13 @@ $(VENV)/base: pyproject.toml
 	touch $@
 
 $(VENV)/test: $(VENV)/base
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test]"
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[test,browser]"
 	touch $@
 
 $(VENV)/dev: $(VENV)/base
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[dev]"
+	touch $@
+
+$(VENV)/docs: $(VENV)/base
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[docs]"
 	touch $@

@@ -12,6 +12,13 @@ _HOMES = {
     "Vehicle": "models.fleet",
     "Excitation": "models.excitation",
     "Gains": "models.gains",
+    "design": "synthesis.design",
+    "certify": "verify.certificate",
+    "Certificate": "verify.certificate",
+    "prove": "verify.proof",
+    "simulate": "verify.simulate",
+    "write_report": "reports.html",
+    "export": "reports.exports",
 }
 
 __all__ = [*_HOMES, "__version__"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json as json_module
 import math
-import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -17,11 +16,10 @@ import typer
 from .models.errors import GaincertError
 
 if TYPE_CHECKING:
-    from concurrent.futures import Executor
-
     from .models.fleet import Fleet
     from .models.gains_file import GainsFile
     from .synthesis.rollout import Tolerance
+    from .verify.disturbance import Disturbance
     from .verify.simulate import Trajectory
     from .verify.validate import Question
 
@@ -126,6 +124,12 @@ TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock for --mod
 Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
 Horizon = Annotated[float | None, typer.Option(min=0.1, max=1e6, help="s [default: until settled and a while longer]")]
 ToleranceOption = Annotated[tuple[float, float], typer.Option(metavar="M RAD", help="what counts as settled")]
+
+
+SampleTime = Annotated[
+    float | None,
+    typer.Option(min=1e-4, max=10, metavar="S", help="also with torques computed at this interval and held in between"),
+]
 
 
 class Printer:
@@ -348,6 +352,23 @@ def validate(
     integrator: Annotated[
         Method, typer.Option(help="auto: cvodes in two stages; dop853: an independent check, slowly")
     ] = Method.auto,
+    sample_time: SampleTime = None,
+    delay: Annotated[float, typer.Option(min=0, max=100, metavar="S", help="from measuring to the wheels")] = 0.0,
+    noise: Annotated[
+        tuple[float, float], typer.Option(metavar="M RAD", help="standard deviation of measured positions and headings")
+    ] = (0.0, 0.0),
+    mismatch: Annotated[
+        float, typer.Option(min=0, max=0.9, help="relative error of mass, inertia, wheel radius and track")
+    ] = 0.0,
+    friction: Annotated[
+        tuple[float, float], typer.Option(metavar="NM NMS", help="Coulomb (N m) and viscous (N m s) at every wheel")
+    ] = (0.0, 0.0),
+    lost_link: Annotated[
+        tuple[str, str, float] | None, typer.Option(metavar="V1 V2 S", help="the edge between them fails at that time")
+    ] = None,
+    largest_sample_time: Annotated[
+        bool, typer.Option("--largest-sample-time", help="find it: all starts settle, torques within limits")
+    ] = False,
     replay: Annotated[
         int | None, typer.Option(min=0, metavar="K", help="run start K alone, again, and store its trajectory")
     ] = None,
@@ -380,9 +401,21 @@ def validate(
         if document["same"] is False:
             raise typer.Exit(1)
         return
-    document = _validate(printer, question, states, folder, None if starts_file else seed, workers, scheduler)
+    real = _disturbance(fleet, sample_time, delay, noise, mismatch, friction, lost_link, seed)
+    document = _validate(
+        printer,
+        question,
+        states,
+        folder,
+        None if starts_file else seed,
+        workers,
+        scheduler,
+        fleet,
+        real,
+        largest_sample_time,
+    )
     printer.document(document)
-    if document["violations"]:
+    if document["violations"] or any(entry["peak_torque_ratio"] > 1 for entry in document.get("disturbed", [])):
         raise typer.Exit(1)
     if any(failure.get("gave_up") for failure in document["failures"]):
         raise typer.Exit(4)
@@ -496,20 +529,6 @@ def _tolerance(pair: tuple[float, float]) -> Tolerance:
     return Tolerance(*pair)
 
 
-@contextmanager
-def _workers() -> Iterator[Executor | None]:
-    """A process for every core, None where there is one core."""
-    count = os.cpu_count() or 1
-    if count == 1:
-        yield None
-        return
-    import multiprocessing
-    from concurrent.futures import ProcessPoolExecutor
-
-    with ProcessPoolExecutor(count, mp_context=multiprocessing.get_context("spawn")) as pool:
-        yield pool
-
-
 def _design(
     printer: Printer,
     fleet: Fleet,
@@ -523,8 +542,9 @@ def _design(
     tolerance: Tolerance,
 ) -> Any:
     from .synthesis.design import design
+    from .verify.dispatch import local
 
-    with _workers() as executor, printer.progress() as progress:
+    with local() as (executor, _), printer.progress() as progress:
         return design(
             fleet,
             conditions=conditions.value,
@@ -701,19 +721,60 @@ def _validate(
     seed: int | None,
     workers: int | None,
     scheduler: str | None,
+    fleet: Fleet,
+    real: Disturbance | None,
+    largest: bool,
 ) -> dict[str, Any]:
     from .models.files import write_json
     from .reports.versions import versions
     from .verify.dispatch import cluster, local
+    from .verify.robustness import robustness
+    from .verify.robustness import sentences as robust_sentences
     from .verify.validate import validate
     from .verify.validation import sentences, summarize
 
     with cluster(scheduler) if scheduler else local(workers) as (executor, count), printer.progress() as progress:
         results = validate(question, states, folder, executor, count, progress)
-    document = {**summarize(question, results, seed), "versions": versions()}
+    document = summarize(question, results, seed)
+    if real is not None or largest:
+        with printer.progress() as progress:
+            document |= robustness(fleet, question, states, results, real, largest, progress)
+    document["versions"] = versions()
     write_json(folder / "validation.json", document)
-    printer.say(*sentences(document))
+    printer.say(*sentences(document), *robust_sentences(document))
     return document
+
+
+def _disturbance(
+    fleet: Fleet,
+    sample_time: float | None,
+    delay: float,
+    noise: tuple[float, float],
+    mismatch: float,
+    friction: tuple[float, float],
+    lost_link: tuple[str, str, float] | None,
+    seed: int,
+) -> Disturbance | None:
+    """What the options ask for, None where they ask for nothing."""
+    from .verify.disturbance import Disturbance, checked
+
+    if sample_time is None and not (delay or any(noise) or mismatch or any(friction) or lost_link):
+        return None
+    given = {} if sample_time is None else {"sample_time": sample_time}
+    first, second, at = lost_link or ("", "", 0.0)
+    real = Disturbance(
+        **given,
+        delay=delay,
+        noise_position=noise[0],
+        noise_heading=noise[1],
+        mismatch=mismatch,
+        coulomb=friction[0],
+        viscous=friction[1],
+        lost_link=(first, second) if lost_link else None,
+        lost_at=at,
+        seed=seed,
+    )
+    return checked(real, fleet)
 
 
 def _replay(printer: Printer, question: Question, states: Any, number: int, folder: Path) -> dict[str, Any]:

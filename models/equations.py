@@ -89,20 +89,25 @@ def across(ops: Ops, theta: Array, e_x: Array, e_y: Array) -> Array:
     return ops.cos(theta) * e_y - ops.sin(theta) * e_x
 
 
-def linear_input(ops: Ops, plant: Plant, gains: Gains, state: State) -> Array:
+Error = tuple[Array, Array]  # e_z of (8), where it is known already
+
+
+def linear_input(ops: Ops, plant: Plant, gains: Gains, state: State, error: Error | None = None) -> Array:
     """(7): u_v, N."""
-    e_along = along(ops, state.theta, *position_error(ops, plant, state))
+    e_along = along(ops, state.theta, *(error or position_error(ops, plant, state)))
     return -gains.p_v * e_along - gains.d_v * ops.tanh(state.v)
 
 
-def excitation_input(ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State) -> Array:
+def excitation_input(
+    ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, error: Error | None = None
+) -> Array:
     """(11): alpha, N m, where psi is the value of the excitation now."""
-    return gains.k_alpha * psi * across(ops, state.theta, *position_error(ops, plant, state))
+    return gains.k_alpha * psi * across(ops, state.theta, *(error or position_error(ops, plant, state)))
 
 
-def angular_input(ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State) -> Array:
+def angular_input(ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, error: Error | None = None) -> Array:
     """(9): u_omega, N m."""
-    alpha = excitation_input(ops, plant, gains, psi, state)
+    alpha = excitation_input(ops, plant, gains, psi, state, error)
     return -gains.p_omega * heading_error(ops, plant, state) - gains.d_omega * ops.tanh(state.omega) + alpha
 
 
@@ -110,14 +115,20 @@ def control(
     ops: Ops, plant: Plant, gains: Gains, excitation: Excitation, t: Array, state: State
 ) -> tuple[Array, Array]:
     """The controller: left and right wheel torque, N m, at time t."""
-    u_v = linear_input(ops, plant, gains, state)
-    u_omega = angular_input(ops, plant, gains, excitation.value(ops, t), state)
+    error = position_error(ops, plant, state)
+    u_v = linear_input(ops, plant, gains, state, error)
+    u_omega = angular_input(ops, plant, gains, excitation.value(ops, t), state, error)
     return wheel_torques(plant, u_v, u_omega)
 
 
 def closed_loop(ops: Ops, plant: Plant, gains: Gains, excitation: Excitation, t: Array, state: State) -> State:
     """(13)-(14): the rate of change of the state under the controller, through the torques (6) and the vehicle (2)."""
-    v_rate, omega_rate = accelerations(plant, *control(ops, plant, gains, excitation, t, state))
+    return motion(ops, plant, state, *control(ops, plant, gains, excitation, t, state))
+
+
+def motion(ops: Ops, plant: Plant, state: State, tau_left: Array, tau_right: Array) -> State:
+    """(1)-(2): the rate of change of the state under wheel torques, N m."""
+    v_rate, omega_rate = accelerations(plant, tau_left, tau_right)
     return State(
         ops.cos(state.theta) * state.v,
         ops.sin(state.theta) * state.v,

@@ -1,24 +1,32 @@
-"""Figures 3-7 of the paper for any fleet, and the energies: both schemes side by side, as SVG and PNG."""
+"""Figures 3-7 of the paper for any fleet, energies and cross-track errors: both schemes side by side, SVG and PNG."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.equations import across
 from ..models.files import write_whole
 from ..models.fleet import Fleet, floats
 from ..models.numbers import low
-from ..verify.simulate import Trajectory
+from ..models.ops import numpy_ops
+
+if TYPE_CHECKING:
+    from ..verify.simulate import Trajectory
+    from .recording import Recording
+
+    Run = Trajectory | Recording
 
 Floats = NDArray[np.float64]
 
 POINTS = 1500  # drawn per line
 LABELLED = 10  # fleets up to this size are labelled vehicle by vehicle
 DRAWN = 60  # vehicles of a large fleet that are drawn
+LONGEST_NAME = 20  # characters of a vehicle's name that are drawn
 FLOOR = 1e-6  # of a logarithmic axis
 
 STYLE = {
@@ -30,18 +38,20 @@ STYLE = {
     "svg.hashsalt": "gaincert",
     "figure.constrained_layout.use": True,
 }
+LABEL = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}  # behind a label on lines
 # Okabe and Ito's colours, told apart by colour-blind readers, and two greys.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C6D31", "#7F7F7F", "#5B3A8C")
 
 
-def write_figures(fleet: Fleet, runs: dict[str, Trajectory], folder: Path) -> list[Path]:
-    """Paths, poses, torques and energies of the runs (title -> trajectory), one panel each. SVG and PNG."""
+def write_figures(fleet: Fleet, runs: Mapping[str, Run], folder: Path) -> list[Path]:
+    """Paths, poses, cross-track errors, torques and energies of the runs (title -> run), one panel each. SVG, PNG."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    drawings: dict[str, tuple[Callable[[Any, Fleet, Trajectory], None], int]] = {
+    drawings: dict[str, tuple[Callable[[Any, Fleet, Run], None], int]] = {
         "paths": (_paths, 1),
         "poses": (_poses, 3),
+        "cross_track": (_cross_track, 1),
         "torques": (_torques, 1),
         "energies": (_energies, 1),
     }
@@ -49,17 +59,18 @@ def write_figures(fleet: Fleet, runs: dict[str, Trajectory], folder: Path) -> li
     with mpl.rc_context(STYLE):
         for name, (draw, rows) in drawings.items():
             figure = Figure(figsize=(5.2 * len(runs), 4.2 if rows == 1 else 6.6))
-            share: Any = "row" if name in ("torques", "energies") else "none"
+            share: Any = "row" if name in ("cross_track", "torques", "energies") else "none"
             axes = figure.subplots(rows, len(runs), squeeze=False, sharex="col", sharey=share)
             for panels, (title, run) in zip(axes.T, runs.items(), strict=True):
                 panels[0].set_title(title)
                 draw(panels if rows > 1 else panels[0], fleet, run)
             _legend(figure, axes[0, 0])
-            written += _save(figure, folder / name)
+            written += save(figure, folder / name)
     return written
 
 
-def _save(figure: Any, path: Path) -> list[Path]:
+def save(figure: Any, path: Path) -> list[Path]:
+    """Write a figure as SVG and PNG, the same bytes for the same data."""
     metadata = {"svg": {"Date": None}, "png": {"Software": None}}
     return [
         write_whole(
@@ -70,7 +81,7 @@ def _save(figure: Any, path: Path) -> list[Path]:
     ]
 
 
-def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
+def _paths(axis: Any, fleet: Fleet, run: Run) -> None:
     """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
     keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
     for i in _drawn(fleet):
@@ -83,7 +94,7 @@ def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
             axis.annotate("", tip, (x, y), arrowprops={"arrowstyle": "->", "color": colour, "lw": 1.2})
         if len(fleet) <= LABELLED:
             axis.annotate(
-                _plain(fleet.names[i]),
+                plain(fleet.names[i]),
                 (run.state.x[0, i], run.state.y[0, i]),
                 textcoords="offset points",
                 xytext=(5, 5),
@@ -95,7 +106,7 @@ def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     axis.set_adjustable("datalim")
 
 
-def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
+def _poses(axes: Any, fleet: Fleet, run: Run) -> None:
     """Figures 5 and 6: position relative to the place in the formation, and heading, against time."""
     plant = fleet.plant()
     rows = (
@@ -107,14 +118,36 @@ def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
     for axis, (values, goal, label) in zip(axes, rows, strict=True):
         for i in _drawn(fleet):
             axis.plot(
-                run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i])
+                run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=plain(fleet.names[i])
             )
         axis.axhline(goal, color="k", lw=0.8, ls="--")
         axis.set_ylabel(label)
     axes[-1].set_xlabel("time / s")
 
 
-def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
+def _cross_track(axis: Any, fleet: Fleet, run: Run) -> None:
+    """The largest |error across the leader's heading| from each time on, and the t^(-1/2) that theory predicts."""
+    plant = fleet.plant()
+    error_x = run.state.x - plant.offset_x - plant.leader_x
+    error_y = run.state.y - plant.offset_y - plant.leader_y
+    size = np.abs(across(numpy_ops(), plant.leader_theta, error_x, error_y))
+    later = run.t > run.t[-1] / 300
+    if not later.any():
+        return  # a run of one point
+    # The excitation makes the error swing through 0: what decays is its envelope.
+    t, peaks = _peaks(run.t[later], size[later], np.geomspace)
+    envelope = np.maximum(np.maximum.accumulate(peaks[::-1])[::-1], FLOOR)
+    for i in _drawn(fleet):
+        axis.plot(t, envelope[:, i], color=COLOURS[i % len(COLOURS)], lw=1, label=plain(fleet.names[i]))
+    tail = t[t >= t[-1] / 10]
+    line = 1.6 * envelope[-1].max() * np.sqrt(t[-1] / tail)
+    axis.plot(tail, line, color="k", lw=1.2, ls="--")
+    middle = len(tail) // 2
+    axis.annotate("t^(-1/2)", (tail[middle], line[middle]), textcoords="offset points", xytext=(4, 5), bbox=LABEL)
+    axis.set(xlabel="time / s", ylabel="largest |cross-track error| from then on / m", xscale="log", yscale="log")
+
+
+def _torques(axis: Any, fleet: Fleet, run: Run) -> None:
     """Figure 7: the larger wheel torque over its limit; the largest in each drawn interval, so no peak is lost."""
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
@@ -122,14 +155,14 @@ def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     t, peaks = _peaks(run.t, ratio)
     for i in _drawn(fleet):
         axis.plot(
-            t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=_plain(fleet.names[i])
+            t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=plain(fleet.names[i])
         )
     axis.axhline(1, color="k", lw=1.2)
     axis.annotate("torque limit", (0.98, 1), xycoords=("axes fraction", "data"), ha="right", va="bottom")
     axis.set(xlabel="time / s", ylabel="largest |torque| / limit", yscale="log")
 
 
-def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
+def _energies(axis: Any, _: Fleet, run: Run) -> None:
     """V of (17), which never rises, and W of (19), which does."""
     keep = _thinned(len(run.t))
     for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):
@@ -140,8 +173,11 @@ def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
 def _legend(figure: Any, axis: Any) -> None:
     """One legend below all panels, where the lines are few enough to be told apart."""
     handles, labels = axis.get_legend_handles_labels()
-    if 0 < len(handles) <= LABELLED:
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(handles), frameon=False)
+    if not 0 < len(handles) <= LABELLED:
+        return
+    widest = 0.6 + 0.08 * max(map(len, labels))  # inches of an entry
+    columns = max(1, min(len(handles), int(figure.get_figwidth() / widest)))
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
 
 
 def _drawn(fleet: Fleet) -> list[int]:
@@ -149,16 +185,20 @@ def _drawn(fleet: Fleet) -> list[int]:
     return sorted(set(np.linspace(0, len(fleet) - 1, min(len(fleet), DRAWN)).astype(int).tolist()))
 
 
-def _thinned(count: int) -> NDArray[np.intp]:
-    return np.unique(np.linspace(0, count - 1, min(count, POINTS)).astype(np.intp))
+def _thinned(count: int, spread: Callable[[float, float, int], Floats] = np.linspace) -> NDArray[np.intp]:
+    """At most POINTS indices from 0 to count - 1, spread evenly or by `spread`."""
+    return np.unique(np.round(spread(1, count, min(count, POINTS)) - 1).astype(np.intp))
 
 
-def _peaks(t: Floats, values: Floats) -> tuple[Floats, Floats]:
+def _peaks(
+    t: Floats, values: Floats, spread: Callable[[float, float, int], Floats] = np.linspace
+) -> tuple[Floats, Floats]:
     """The largest of `values` (K, N) in each of at most POINTS intervals."""
-    edges = _thinned(len(t))
+    edges = _thinned(len(t), spread)
     return t[edges], np.maximum.reduceat(values, edges, axis=0)
 
 
-def _plain(name: str) -> str:
-    """A name that matplotlib does not read as mathematics."""
-    return name.replace("$", r"\$")
+def plain(name: str) -> str:
+    """A name that matplotlib does not read as mathematics and that fits beside a line."""
+    shown = "".join(c if c.isprintable() else "?" for c in name)
+    return (shown if len(shown) <= LONGEST_NAME else shown[: LONGEST_NAME - 1] + "…").replace("$", r"\$")

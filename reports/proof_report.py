@@ -55,6 +55,8 @@ def _as_dict(claim: Claim) -> dict[str, Any]:
     optional = {"corrected": claim.corrected, "witness": claim.witness, "second_method": claim.second}
     row |= {key: value for key, value in optional.items() if value}
     row |= {name: latex(value) for name, value in formulas(claim)}
+    if found := formulas(claim):
+        row["mathml"] = {name: mathml(value) for name, value in found}  # for report.html, which has no SymPy
     return row
 
 

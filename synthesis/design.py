@@ -27,6 +27,8 @@ from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
+SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
+FAST_SECONDS = 60.0  # of that search at most
 LONGEST = 20_000.0  # s, of a rollout
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
@@ -130,7 +132,7 @@ def design(
     Args:
         fleet: the fleet.
         conditions: "paper" for (15) and (16), "corrected" for (16*), "rate-bounded" for (15') and (16*).
-        mode: "fast" for the averaged program ranked by simulation, "best" to search on from there.
+        mode: "fast" for the averaged program, ranked by simulation, and a short search; "best" to search on.
         excitation: "given" or "designed"; None takes the fleet's own where it has one.
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
@@ -154,10 +156,11 @@ def design(
     candidates, horizon = _candidates(task)
     starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
-    if mode == "best":
+    if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
         from .search import search
 
-        finalists = search(task, ranked, horizon, time_limit, executor, progress)
+        limit = time_limit if mode == "best" else FAST_SECONDS
+        finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
     best = ranked[0]
     return Design(

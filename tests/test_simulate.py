@@ -48,7 +48,7 @@ def test_summary_says_what_is_in_the_run(run: Trajectory) -> None:
     assert summary["settling_time_s"] is None
     assert summary["horizon_s"] == pytest.approx(300)
     assert summary["peak_torque_ratio"] == pytest.approx(0.3376, abs=2e-4)
-    assert summary["peak_speed"] == np.abs(run.state.v).max()
+    assert 0 <= summary["peak_speed"] - np.abs(run.state.v).max() < 1e-3
     goal = np.array([-25, -25]) + np.array([[float(c) for c in v.offset] for v in fleet.vehicles])
     last = np.stack([run.state.x[-1], run.state.y[-1]], axis=1)
     assert summary["final_position_error_m"] == pytest.approx(np.linalg.norm(last - goal, axis=1).max())

@@ -38,7 +38,7 @@ def forest(graph: Graph) -> list[list[int]]:
 
 
 def psi_power(psi: Excitation) -> Fraction:
-    """A decimal just below the integral of psi'^2 over one period, (12)."""
+    """A decimal just below the integral of psi'^2 over one period, (12); with few places where it is tiny or huge."""
     rational, power = psi.power()
     return rounded(rational * BELOW_PI if power == 1 else rational / ABOVE_PI, 12)
 

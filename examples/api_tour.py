@@ -1,0 +1,53 @@
+"""The Python interface from a fleet to code for its robots: `python examples/api_tour.py [FOLDER]`."""
+
+# ruff: noqa: T201 -- a tour prints
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from gaincert import Fleet, certify, design, export, prove, simulate, write_report
+from gaincert.models.errors import InputError
+from gaincert.models.files import write_json
+from gaincert.models.limits import exact_numbers, torque_bound
+from gaincert.reports.deployment import write_fleet_copy
+from gaincert.verify.simulate import summarize
+
+
+def tour(folder: Path) -> None:
+    """Design, certify, simulate, prove, report and export the line of TurtleBots."""
+    fleet = Fleet.load(Path(__file__).parent / "turtlebot3_line.toml")
+    print(f"{fleet.name}: {len(fleet)} vehicles, {fleet.graph.edges} links, {fleet.digest[:14]}...")
+
+    made = design(fleet, conditions="corrected")
+    print("p_v / N:", ", ".join(f"{float(p):g}" for p in made.gains.p_v), "found by the", made.origin)
+    print("psi is bounded by", float(made.excitation.bound))
+
+    certificate = certify(fleet, made.excitation, made.gains, "corrected")
+    certificate.write(folder / "certificate.json")  # raises InputError where it is not valid
+    print(*certificate.facts, sep="\n")
+
+    bounds = torque_bound(exact_numbers(), fleet.limits(made.excitation), made.gains)
+    print("torque bounds (16*) / N m:", ", ".join(f"{float(bound):.4g}" for bound in bounds))
+
+    run = simulate(fleet, made.gains, made.excitation, horizon=60.0)
+    print(f"{len(run.t)} stored points; x is {run.state.x.shape}, torques up to {abs(run.tau_left).max():.3g} N m")
+    run.write(folder / "trajectory.npz")
+    write_json(folder / "summary.json", summarize(fleet, run))
+
+    broken = made.gains.map(lambda gains: gains * 100)
+    try:
+        certify(fleet, made.excitation, broken, "corrected").write(folder / "broken.json")
+    except InputError as error:
+        print("not certified:", error.mistakes[0])
+
+    claims = prove(fleet)
+    print(sum(claim.status.name == "PROVED" for claim in claims), "of", len(claims), "claims are proved as they stand")
+
+    write_fleet_copy(fleet, folder)  # so that report and export need nothing but the folder
+    print(*export(folder, "c"), write_report(folder), sep="\n")
+
+
+if __name__ == "__main__":
+    tour(Path(sys.argv[1] if len(sys.argv) > 1 else "out/tour"))
