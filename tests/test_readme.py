@@ -29,7 +29,7 @@ def test_every_command_in_the_readme_is_a_command() -> None:
     """Each `gaincert` line parses: its verb and its options exist."""
     helps: dict[str, str] = {}
     for verb, rest in re.findall(
-        r"gaincert (init|check|prove|design|certify|verify|simulate|report|run)\b([^|\n`]*)", README
+        r"gaincert (init|check|prove|design|certify|verify|simulate|validate|export|report|run)\b([^|\n`]*)", README
     ):
         if verb not in helps:
             done = subprocess.run([sys.executable, "-m", "gaincert", verb, "--help"], capture_output=True, text=True)

@@ -1,0 +1,23 @@
+"""How much a fleet gains from hearing the leader: the slowest mode of D^-1 L_l for more and more leader links."""
+
+from fractions import Fraction
+from pathlib import Path
+
+from gaincert.models.fleet import Fleet, Links
+from gaincert.synthesis.averaged import modes
+from gaincert.synthesis.weight_design import design_weights
+
+fleet = Fleet.load(Path(__file__).parent.parent / "mixed_ring.toml")
+
+
+def slowest(links: Links) -> float:
+    """lambda_1, to which the settling times are inversely proportional."""
+    return float(modes(fleet.with_links(links).plant().graph).eigenvalues[0])
+
+
+print("vehicles that hear the leader, lambda_1")
+for count in (1, 2, 5, 10):
+    led = dict.fromkeys(fleet.names[:count], Fraction(1))
+    print(f"{count:29}  {slowest(Links(edges=fleet.links.edges, leader_links=led)):.3f}")
+print(f"as in the file, 4 of them      {slowest(fleet.links):.3f}")
+print(f"the same 4, designed weights   {slowest(design_weights(fleet)):.3f}")
