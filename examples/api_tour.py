@@ -1,6 +1,6 @@
 """The Python interface from a fleet to code for its robots: `python examples/api_tour.py [FOLDER]`."""
 
-# ruff: noqa: T201 -- a tour prints
+
 
 from __future__ import annotations
 
