@@ -1,7 +1,5 @@
 """The Python interface from a fleet to code for its robots: `python examples/api_tour.py [FOLDER]`."""
 
-
-
 from __future__ import annotations
 
 import sys
