@@ -11,6 +11,7 @@ from gaincert.models.limits import exact_numbers, float_numbers
 from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.starts import random_starts
+from gaincert.synthesis import search as search_module
 from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.conditions import CONDITION_SETS
 from gaincert.synthesis.design import FALLBACK, design
@@ -22,6 +23,7 @@ from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.rounding import floor_digits, rounded
 from gaincert.synthesis.structure import Scalars, structured, within
 from gaincert.synthesis.weight_design import design_weights
+from gaincert.verify.dispatch import local
 
 SETS = list(CONDITION_SETS)
 
@@ -132,7 +134,8 @@ def test_designed_weights_raise_the_slowest_mode_on_the_same_links() -> None:
 def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: float) -> None:
     """From the paper's start and from four random starts that the design has not seen."""
     fleet = paper_fleet()
-    made = design(fleet, conditions=name, excitation="designed")
+    with local() as (executor, _):
+        made = design(fleet, conditions=name, excitation="designed", executor=executor)
     assert all(np.all(inequality.holds) for inequality in made.inequalities())
     start = fleet.start()
     assert start is not None
@@ -144,7 +147,8 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_gains(limited: Fleet) -> None:
+def test_the_same_seed_gives_the_same_gains(limited: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 1)
     first, second = (design(limited, conditions="rate-bounded", excitation="designed", seed=3) for _ in range(2))
     assert all(np.array_equal(getattr(first.gains, key), getattr(second.gains, key)) for key in GAIN_NAMES)
     assert first.excitation == second.excitation

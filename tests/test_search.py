@@ -21,6 +21,7 @@ ROOT = Path(__file__).parent.parent
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
     monkeypatch.setattr(search_module, "GENERATIONS", 2)
+    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
     monkeypatch.setattr(search_module, "TRAINING_STARTS", 2)
     fast = design(paper_fleet(), conditions="corrected", excitation="designed")
     best, again = (
