@@ -34,7 +34,7 @@ def tour(folder: Path) -> None:
     run.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", summarize(fleet, run))
 
-    broken = made.gains.map(lambda gains: gains * 100)
+    broken = made.gains.map(lambda gains: gains * 1000)
     try:
         certify(fleet, made.excitation, broken, "corrected").write(folder / "broken.json")
     except InputError as error:

@@ -13,6 +13,7 @@ from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import design
 from gaincert.synthesis.measure import Measured, cost
 from gaincert.synthesis.rollout import Settling
+from gaincert.verify.dispatch import local
 
 ROOT = Path(__file__).parent.parent
 
@@ -23,11 +24,10 @@ def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(search_module, "GENERATIONS", 2)
     monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
     monkeypatch.setattr(search_module, "TRAINING_STARTS", 2)
-    fast = design(paper_fleet(), conditions="corrected", excitation="designed")
-    best, again = (
-        design(paper_fleet(), conditions="corrected", excitation="designed", mode="best", time_limit=300)
-        for _ in range(2)
-    )
+    asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
+    with local() as (executor, _):
+        fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
+        best, again = (design(paper_fleet(), mode="best", executor=executor, **asked) for _ in range(2))  # type: ignore[arg-type]
     assert max(best.settling) <= 1.5 * max(fast.settling)
     assert sum(best.settling) <= 1.2 * sum(fast.settling)
     assert all((a == b).all() for a, b in zip(best.gains.__dict__.values(), again.gains.__dict__.values(), strict=True))
