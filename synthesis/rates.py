@@ -75,16 +75,15 @@ def _positive_definite(matrix: Any) -> bool:
 class CrossTrack:
     """The averaged motion across the track: y' = -c(y), and the heading swing that it rides on; tone by tone."""
 
-    def __init__(self, plant: Plant, gains: Gains, excitation: Excitation, tempo: float = 1.0) -> None:
-        """Factorise the responses at every tone of psi; `tempo` multiplies its frequency. Sparse."""
+    def __init__(self, plant: Plant, gains: Gains, excitation: Excitation) -> None:
+        """Factorise the sparse responses at every tone of psi."""
         from scipy.sparse import diags_array
         from scipy.sparse.linalg import splu
 
         self._L = plant.graph.composed_laplacian()
         M_v, C_v = track_coefficients(plant, gains)
         self._tones = []
-        for frequency, phasor in excitation.phasors():
-            w = tempo * frequency
+        for w, phasor in excitation.phasors():
             heading = diags_array(gains.p_omega) @ self._L + diags_array(-plant.inertia * w**2 + 1j * w * gains.d_omega)
             track = self._L + diags_array(-M_v * w**2 + 1j * w * C_v)
             self._tones.append((w, gains.k_alpha * phasor, splu(heading.tocsc()), splu(track.tocsc())))

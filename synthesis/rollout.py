@@ -55,13 +55,12 @@ class Rollout:
         ops = casadi_ops() if bounded else unbounded(casadi_ops())
         symbol = ca.SX if self.vehicles <= SX_VEHICLES else ca.MX
         x = symbol.sym("x", 5 * self.vehicles)
-        p = symbol.sym("p", 5 * self.vehicles + 2)
+        p = symbol.sym("p", 5 * self.vehicles + 1)
         t = symbol.sym("t")
-        *columns, clock = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 2])
-        # psi is read at tempo * (start of the piece + t): pieces and frequencies share one integrator.
-        phase_time = clock[1] * (clock[0] + t)
+        # psi is read at (start of the piece) + t, so that all pieces share one integrator.
+        *columns, begin = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 1])
         state = State(*ca.vertsplit(x, self.vehicles))
-        rates = closed_loop(ops, plant.map(column), Gains(*columns), excitation, phase_time, state)
+        rates = closed_loop(ops, plant.map(column), Gains(*columns), excitation, begin + t, state)
         self._integrator = ca.integrator(
             "closed_loop",
             "cvodes",
@@ -76,9 +75,7 @@ class Rollout:
             },
         )
 
-    def pieces(
-        self, gains: Gains, start: State, tempo: float = 1.0, begin: float = 0.0
-    ) -> Iterator[tuple[Floats, State]]:
+    def pieces(self, gains: Gains, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
 
         Raises UndecidedError where CVODES stalls.
@@ -87,7 +84,7 @@ class Rollout:
         columns = np.concatenate([np.asarray(getattr(gains, name), dtype=float) for name in GAIN_NAMES])
         while True:
             try:
-                solved = self._integrator(x0=x, p=np.concatenate([columns, [begin, tempo]]))
+                solved = self._integrator(x0=x, p=np.concatenate([columns, [begin]]))
             except RuntimeError as error:
                 raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {_first_line(error)}") from None
             states = np.asarray(solved["xf"])
