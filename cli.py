@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .models.gains_file import GainsFile
     from .synthesis.rollout import Tolerance
     from .verify.disturbance import Disturbance
+    from .verify.recording import Recording
     from .verify.simulate import Trajectory
     from .verify.validate import Question
 
@@ -311,6 +312,8 @@ def simulate(
         Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")
     ] = Scheme.bounded,
     horizon: Horizon = None,
+    sample_time: SampleTime = None,
+    seed: Annotated[int, typer.Option(min=0, help="of the noise and the mismatch of a [disturbance] table")] = 0,
     tolerance: ToleranceOption = (0.1, 0.1),
     engine: Annotated[Engine, typer.Option(help="cvodes, or the explicit engine for large fleets")] = Engine.auto,
     json: Json = False,
@@ -321,7 +324,8 @@ def simulate(
     printer = Printer(json, quiet, verbose)
     fleet = _fleet(fleet_path)
     chosen, wide = _gains(gains, fleet), _tolerance(tolerance)
-    summary = _simulate(printer, fleet, chosen, folder, (scheme,), horizon, wide, engine)
+    real = _disturbance(fleet, seed, sample_time=sample_time)
+    summary = _simulate(printer, fleet, chosen, folder, (scheme,), horizon, wide, engine, real)
     printer.document(summary)
     if summary["violations"]:
         raise typer.Exit(1)
@@ -353,16 +357,18 @@ def validate(
         Method, typer.Option(help="auto: cvodes in two stages; dop853: an independent check, slowly")
     ] = Method.auto,
     sample_time: SampleTime = None,
-    delay: Annotated[float, typer.Option(min=0, max=100, metavar="S", help="from measuring to the wheels")] = 0.0,
+    delay: Annotated[float | None, typer.Option(metavar="S", help="from measuring to the wheels")] = None,
     noise: Annotated[
-        tuple[float, float], typer.Option(metavar="M RAD", help="standard deviation of measured positions and headings")
-    ] = (0.0, 0.0),
+        tuple[float, float] | None,
+        typer.Option(metavar="M RAD", help="standard deviation of measured positions and headings"),
+    ] = None,
     mismatch: Annotated[
-        float, typer.Option(min=0, max=0.9, help="relative error of mass, inertia, wheel radius and track")
-    ] = 0.0,
+        float | None, typer.Option(help="relative error of mass, inertia, wheel radius and track")
+    ] = None,
     friction: Annotated[
-        tuple[float, float], typer.Option(metavar="NM NMS", help="Coulomb (N m) and viscous (N m s) at every wheel")
-    ] = (0.0, 0.0),
+        tuple[float, float] | None,
+        typer.Option(metavar="NM NMS", help="Coulomb (N m) and viscous (N m s) at every wheel"),
+    ] = None,
     lost_link: Annotated[
         tuple[str, str, float] | None, typer.Option(metavar="V1 V2 S", help="the edge between them fails at that time")
     ] = None,
@@ -401,7 +407,16 @@ def validate(
         if document["same"] is False:
             raise typer.Exit(1)
         return
-    real = _disturbance(fleet, sample_time, delay, noise, mismatch, friction, lost_link, seed)
+    real = _disturbance(
+        fleet,
+        seed,
+        sample_time=sample_time,
+        delay=delay,
+        mismatch=mismatch,
+        **dict(zip(("noise_position", "noise_heading"), noise or (), strict=False)),
+        **dict(zip(("coulomb", "viscous"), friction or (), strict=False)),
+        **({"lost_link": lost_link[:2], "lost_at": lost_link[2]} if lost_link else {}),
+    )
     document = _validate(
         printer,
         question,
@@ -496,7 +511,8 @@ def run(
     if fleet.start() is None:
         printer.say("simulation: left out, because the fleet file has no start for every vehicle")
     else:
-        document["summary"] = _simulate(printer, fleet, chosen, folder, tuple(Scheme), horizon, settled)
+        real = _disturbance(fleet, seed)
+        document["summary"] = _simulate(printer, fleet, chosen, folder, tuple(Scheme), horizon, settled, real=real)
     path = write_report(folder)
     printer.say(f"report: {path}")
     printer.document({**document, "report": str(path)})
@@ -653,13 +669,16 @@ def _simulate(
     horizon: float | None,
     tolerance: Tolerance,
     engine: Engine = Engine.auto,
+    real: Disturbance | None = None,
 ) -> dict[str, Any]:
-    """Simulate the schemes, the first to be summarised; write trajectory, summary and figures."""
+    """Simulate the schemes and write all files; the first is summarised, with the disturbance where there is one."""
+    from .models.equations import State
     from .models.errors import UndecidedError
     from .models.files import write_json
     from .reports.deployment import write_fleet_copy
     from .reports.figures import write_figures
     from .reports.versions import versions
+    from .verify.disturbance import disturbed_run, disturbed_summary, in_words
     from .verify.simulate import integration_error, simulate, summarize
 
     runs: dict[str, Trajectory] = {}
@@ -682,23 +701,33 @@ def _simulate(
                 raise
             printer.say(f"{scheme.value} scheme for comparison: {error}")
     first = runs[schemes[0].value]
+    stored: Recording = first
     summary = {**summarize(fleet, first, tolerance), **integration_error(first)}
+    drawn: dict[str, Recording] = {f"{name} scheme": run for name, run in runs.items()}
+    printer.say(f"simulation of the {schemes[0].value} scheme: {_run_in_words(summary)}")
+    if real is not None:
+        start = State(*(column[0] for column in first.state))
+        outcome, stored = disturbed_run(fleet, first.loop, start, real, float(first.t[-1]), tolerance)
+        summary = disturbed_summary(outcome, stored, tolerance, real, summary)
+        drawn = {"with the disturbance": stored, **drawn}
+        printer.say(f"with the disturbance ({in_words(real)}): {_run_in_words(summary)}")
     record = {**summary, "scheme": schemes[0].value, "fleet_digest": fleet.digest, "versions": versions()}
-    first.write(folder / "trajectory.npz")
+    stored.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", record)
     write_fleet_copy(fleet, folder)
-    write_figures(fleet, {f"{name} scheme": run for name, run in runs.items()}, folder / "figures")
-    settled = summary["settling_time_s"]
-    printer.say(
-        f"simulation of the {schemes[0].value} scheme: "
-        + (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
-        + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
-        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad, "
-        f"integration error {summary['integration_error_m']:.1g} m",
-        *(f"FALSE: {violation}" for violation in summary["violations"]),
-        f"figures: {folder / 'figures'}",
-    )
+    write_figures(fleet, drawn, folder / "figures")
+    printer.say(*(f"FALSE: {violation}" for violation in summary["violations"]), f"figures: {folder / 'figures'}")
     return record
+
+
+def _run_in_words(summary: dict[str, Any]) -> str:
+    settled, error = summary["settling_time_s"], summary.get("integration_error_m")
+    return (
+        (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
+        + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
+        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad"
+        + ("" if error is None else f", integration error {error:.1g} m")
+    )
 
 
 def _starts(fleet: Fleet, count: int, file: Path | None, seed: int, box: float | None) -> tuple[Any, dict[str, Any]]:
@@ -745,36 +774,16 @@ def _validate(
     return document
 
 
-def _disturbance(
-    fleet: Fleet,
-    sample_time: float | None,
-    delay: float,
-    noise: tuple[float, float],
-    mismatch: float,
-    friction: tuple[float, float],
-    lost_link: tuple[str, str, float] | None,
-    seed: int,
-) -> Disturbance | None:
-    """What the options ask for, None where they ask for nothing."""
-    from .verify.disturbance import Disturbance, checked
+def _disturbance(fleet: Fleet, seed: int, **options: Any) -> Disturbance | None:
+    """What the fleet's [disturbance] table asks for, or the options where they are given; None without either."""
+    from dataclasses import replace
 
-    if sample_time is None and not (delay or any(noise) or mismatch or any(friction) or lost_link):
+    from .verify.disturbance import checked, of_table
+
+    given = {name: value for name, value in options.items() if value is not None}
+    if not given and fleet.disturbance is None:
         return None
-    given = {} if sample_time is None else {"sample_time": sample_time}
-    first, second, at = lost_link or ("", "", 0.0)
-    real = Disturbance(
-        **given,
-        delay=delay,
-        noise_position=noise[0],
-        noise_heading=noise[1],
-        mismatch=mismatch,
-        coulomb=friction[0],
-        viscous=friction[1],
-        lost_link=(first, second) if lost_link else None,
-        lost_at=at,
-        seed=seed,
-    )
-    return checked(real, fleet)
+    return checked(replace(of_table(fleet.disturbance, seed), **given), fleet)
 
 
 def _replay(printer: Printer, question: Question, states: Any, number: int, folder: Path) -> dict[str, Any]:

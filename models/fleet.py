@@ -148,6 +148,21 @@ class Links(Table):
     leader_links: dict[str, NotNegative]
 
 
+class DisturbanceTable(Table):
+    """How reality differs from (1)-(14), for simulation: sampling, delay, noise, mismatch, friction, a lost link."""
+
+    sample_time: Positive | None = None  # s, between two computations of the torques
+    delay: NotNegative = Fraction(0)  # s, from measuring to the wheels
+    noise_position: NotNegative = Fraction(0)  # m, standard deviation of each coordinate measured
+    noise_heading: NotNegative = Fraction(0)  # rad
+    noise_speed: NotNegative = Fraction(0)  # m/s and rad/s
+    mismatch: NotNegative = Fraction(0)  # relative error of mass, inertia, wheel radius and track
+    coulomb: NotNegative = Fraction(0)  # N m at every wheel
+    viscous: NotNegative = Fraction(0)  # N m s/rad at every wheel
+    lost_link: tuple[str, str] | None = None  # the edge between these vehicles fails
+    lost_at: NotNegative = Fraction(0)  # s
+
+
 class Fleet(Table):
     """A fleet, as its file describes it. `Fleet.load(path)` reads one; see `fleet_file` for the format."""
 
@@ -155,6 +170,7 @@ class Fleet(Table):
     drive: Literal["physical", "paper"] = "physical"
     leader: Leader
     excitation: ExcitationTable | None = None
+    disturbance: DisturbanceTable | None = None  # for simulation only
     links: Links = Field(alias="graph")
     vehicles: tuple[Vehicle, ...] = Field(alias="vehicle")
 
@@ -178,7 +194,9 @@ class Fleet(Table):
         """The same fleet with other links; itself for None."""
         if links is None:
             return self
-        kept = {name: getattr(self, name) for name in ("name", "drive", "leader", "excitation", "vehicles")}
+        kept = {
+            name: getattr(self, name) for name in ("name", "drive", "leader", "excitation", "disturbance", "vehicles")
+        }
         return Fleet(links=links, **kept)
 
     def __len__(self) -> int:
@@ -266,8 +284,8 @@ class Fleet(Table):
         return State(*np.array(rows, dtype=float).T)
 
     def content(self) -> dict[str, Any]:
-        """All that a certificate speaks of, in the fleet file's keys: not the name, the leader's pose or the starts."""
-        left_out: Any = {"name": True, "leader": True, "vehicles": {"__all__": {"start"}}}
+        """All that a certificate speaks of, in the fleet file's keys: no name, leader's pose, starts or disturbance."""
+        left_out: Any = {"name": True, "leader": True, "disturbance": True, "vehicles": {"__all__": {"start"}}}
         return self.model_dump(mode="json", by_alias=True, exclude=left_out)
 
     @cached_property

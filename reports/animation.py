@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ..models.fleet import Fleet, floats
 from ..models.numbers import low
-from .recording import Floats, Recording
+from ..verify.recording import Floats, Recording
 
 SHOWN = 60  # vehicles of a large fleet that move
 POSES = 60_000  # frames times vehicles

@@ -16,10 +16,7 @@ from ..models.numbers import low
 from ..models.ops import numpy_ops
 
 if TYPE_CHECKING:
-    from ..verify.simulate import Trajectory
-    from .recording import Recording
-
-    Run = Trajectory | Recording
+    from ..verify.recording import Recording
 
 Floats = NDArray[np.float64]
 
@@ -43,12 +40,12 @@ LABEL = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C6D31", "#7F7F7F", "#5B3A8C")
 
 
-def write_figures(fleet: Fleet, runs: Mapping[str, Run], folder: Path) -> list[Path]:
+def write_figures(fleet: Fleet, runs: Mapping[str, Recording], folder: Path) -> list[Path]:
     """Paths, poses, cross-track errors, torques and energies of the runs (title -> run), one panel each. SVG, PNG."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    drawings: dict[str, tuple[Callable[[Any, Fleet, Run], None], int]] = {
+    drawings: dict[str, tuple[Callable[[Any, Fleet, Recording], None], int]] = {
         "paths": (_paths, 1),
         "poses": (_poses, 3),
         "cross_track": (_cross_track, 1),
@@ -81,7 +78,7 @@ def save(figure: Any, path: Path) -> list[Path]:
     ]
 
 
-def _paths(axis: Any, fleet: Fleet, run: Run) -> None:
+def _paths(axis: Any, fleet: Fleet, run: Recording) -> None:
     """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
     keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
     for i in _drawn(fleet):
@@ -106,7 +103,7 @@ def _paths(axis: Any, fleet: Fleet, run: Run) -> None:
     axis.set_adjustable("datalim")
 
 
-def _poses(axes: Any, fleet: Fleet, run: Run) -> None:
+def _poses(axes: Any, fleet: Fleet, run: Recording) -> None:
     """Figures 5 and 6: position relative to the place in the formation, and heading, against time."""
     plant = fleet.plant()
     rows = (
@@ -125,7 +122,7 @@ def _poses(axes: Any, fleet: Fleet, run: Run) -> None:
     axes[-1].set_xlabel("time / s")
 
 
-def _cross_track(axis: Any, fleet: Fleet, run: Run) -> None:
+def _cross_track(axis: Any, fleet: Fleet, run: Recording) -> None:
     """The largest |error across the leader's heading| from each time on, and the t^(-1/2) that theory predicts."""
     plant = fleet.plant()
     error_x = run.state.x - plant.offset_x - plant.leader_x
@@ -147,7 +144,7 @@ def _cross_track(axis: Any, fleet: Fleet, run: Run) -> None:
     axis.set(xlabel="time / s", ylabel="largest |cross-track error| from then on / m", xscale="log", yscale="log")
 
 
-def _torques(axis: Any, fleet: Fleet, run: Run) -> None:
+def _torques(axis: Any, fleet: Fleet, run: Recording) -> None:
     """Figure 7: the larger wheel torque over its limit; the largest in each drawn interval, so no peak is lost."""
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
@@ -162,7 +159,7 @@ def _torques(axis: Any, fleet: Fleet, run: Run) -> None:
     axis.set(xlabel="time / s", ylabel="largest |torque| / limit", yscale="log")
 
 
-def _energies(axis: Any, _: Fleet, run: Run) -> None:
+def _energies(axis: Any, _: Fleet, run: Recording) -> None:
     """V of (17), which never rises, and W of (19), which does."""
     keep = _thinned(len(run.t))
     for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):

@@ -13,12 +13,12 @@ from ..models.errors import InputError
 from ..models.files import write_text
 from ..models.fleet import Fleet
 from ..models.fleet_file import MAX_CSV_BYTES, read_text
+from ..verify.recording import Recording, read_recording
 from .animation import animation_data
 from .conditions_table import condition_rows, design_rows, read_json
 from .deployment import FLEET_COPY, Deployment, load_fleet
 from .embed import figure_data, safe_mathml, script_hash
 from .gain_table import COLUMNS, rows
-from .recording import Recording, read_recording
 from .render import render, undefined_error
 from .verdicts import (
     CERTIFIED,

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from ..models.errors import InputError, UndecidedError
 from ..models.files import write_whole
 from ..models.fleet import Fleet
+from ..verify.recording import Recording, read_recording
 from .animation import shown_vehicles
 from .deployment import load_fleet
 from .figures import COLOURS, LABELLED, STYLE, plain
-from .recording import Recording, read_recording
 
 FRAMES = {"gif": 150, "mp4": 450}
 PER_SECOND = {"gif": 15, "mp4": 30}

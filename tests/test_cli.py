@@ -224,3 +224,17 @@ def test_help_takes_less_than_ten_times_bare_python() -> None:
 
     pairs = [(seconds("-m", "gaincert", "--help"), seconds("-c", "pass")) for _ in range(7)]
     assert min(pair[0] for pair in pairs) < 10 * min(pair[1] for pair in pairs)
+
+
+def test_a_sampled_simulation_is_reported_against_the_nominal_one(tmp_path: Path) -> None:
+    gains = EXAMPLES / "paper_gains.toml"
+    options = ("--sample-time", "0.02", "--horizon", "10", "--json")
+    done = gaincert("simulate", EXAMPLES / "paper.toml", "--gains", gains, "-o", tmp_path, *options)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "summary.json").read_text())
+    assert summary["disturbance"] == {"sample_time": 0.02}
+    apart = abs(summary["final_position_error_m"] - summary["nominal"]["final_position_error_m"])
+    assert 0 < apart < 0.1
+    with np.load(tmp_path / "trajectory.npz", allow_pickle=False) as stored:
+        assert stored["x"].shape == (100, 6)

@@ -1,13 +1,26 @@
 """Disturbances: the nominal run in the limit, power, seeds, and what a lost link or a long sample time does."""
 
+import tomllib
+from decimal import Decimal
+
 import numpy as np
 import pytest
 from gaincert.models.equations import State, accelerations
 from gaincert.models.errors import InputError
+from gaincert.models.fleet_file import dumps, parse
 from gaincert.models.starts import random_starts
 from gaincert.synthesis.rollout import Tolerance
 from gaincert.verify import disturbance as module
-from gaincert.verify.disturbance import Disturbance, checked, disturbed, largest_sample_time, parts, report
+from gaincert.verify.disturbance import (
+    Disturbance,
+    checked,
+    disturbed,
+    disturbed_run,
+    largest_sample_time,
+    of_table,
+    parts,
+    report,
+)
 from gaincert.verify.integrators import Adams
 from gaincert.verify.loop import Loop
 from gaincert.verify.observer import distances
@@ -103,9 +116,31 @@ def test_parts_and_report() -> None:
     [
         (Disturbance(lost_link=("v1", "v9")), "no edge 'v1' - 'v9'"),
         (Disturbance(delay=float("nan")), "delay = nan must be"),
+        (Disturbance(sample_time=1e-9), "sample_time = 1e-09 must be from 0.0001 to 10"),
         (Disturbance(coulomb=-1.0), "coulomb = -1.0 must be"),
     ],
 )
 def test_disturbances_that_make_no_sense_are_refused(paper, real: Disturbance, message: str) -> None:
     with pytest.raises(InputError, match=message):
         checked(real, paper)
+
+
+def test_a_kept_run_is_the_one_that_was_measured(paper, loop, starts) -> None:
+    real = Disturbance(sample_time=0.03, noise_position=0.01, mismatch=0.1, seed=4)
+    outcome, run = disturbed_run(paper, loop, starts[0], real, 6.0, WIDE)
+    alone = disturbed(paper, loop, starts[:1], real, 6.0, WIDE)
+    assert outcome.settling_time == alone.settling_time
+    assert outcome.torque_ratio == alone.torque_ratio
+    assert run.t == pytest.approx(np.arange(0, 6, 0.09), abs=0.03)
+    assert np.array_equal(run.state.x[0], starts[0].x)
+    assert np.abs(run.tau_left / loop.torque_left).max() <= outcome.torque_ratio[0]
+    assert run.state.x.shape == (len(run.t), 6)
+
+
+def test_the_table_of_a_fleet_file_says_the_same_as_options(paper) -> None:
+    table = 'sample_time = 0.02\ncoulomb = 0.5\nlost_link = ["v1", "v2"]\nlost_at = 3'
+    fleet = parse(tomllib.loads(f"{dumps(paper)}\n[disturbance]\n{table}\n", parse_float=Decimal))
+    assert of_table(fleet.disturbance, 7) == Disturbance(0.02, coulomb=0.5, lost_link=("v1", "v2"), lost_at=3.0, seed=7)
+    assert fleet.digest == paper.digest  # a certificate does not depend on it
+    assert parse(tomllib.loads(dumps(fleet), parse_float=Decimal)) == fleet
+    assert of_table(None) == Disturbance()

@@ -22,9 +22,9 @@ from gaincert.reports.deployment import load_deployment
 from gaincert.reports.embed import safe_mathml
 from gaincert.reports.html import write_report
 from gaincert.reports.movie import write_movie
-from gaincert.reports.recording import Recording, read_recording
 from gaincert.reports.render import script_json
 from gaincert.tests.report_folder import ATTACKS, fill, renamed
+from gaincert.verify.recording import Recording, read_recording
 
 ROOT = Path(__file__).parent.parent
 MOST_BYTES = 5_000_000

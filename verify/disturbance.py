@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -16,16 +16,19 @@ import numpy as np
 
 from ..models.equations import Plant, State, control, motion
 from ..models.errors import InputError, UndecidedError
-from ..models.fleet import Fleet
+from ..models.fleet import DisturbanceTable, Fleet
 from ..models.graph import Graph
 from ..models.ops import numpy_ops
 from ..synthesis.rollout import Tolerance
 from .loop import Floats, Loop
 from .observer import distances
+from .recording import Recording
 
 SUBSTEP = 0.01  # s, of the Runge-Kutta method of order 4 between samples
 STICTION_SPEED = 0.01  # rad/s of a wheel, over which Coulomb friction turns from one sign to the other
 SHORTEST, LONGEST, HALVINGS = 2e-3, 2.0, 8  # s, s: where the largest sample time is looked for
+RANGES = {"sample_time": (1e-4, 10.0), "delay": (0.0, 100.0), "mismatch": (0.0, 0.9)}
+RECORDED = 0.1  # s between the points of a run that is kept
 
 
 @dataclass(frozen=True)
@@ -60,11 +63,23 @@ class Outcomes:
         return bool(np.isfinite(self.settling_time).all() and (self.torque_ratio <= 1).all())
 
 
+def of_table(table: DisturbanceTable | None, seed: int = 0) -> Disturbance:
+    """What the [disturbance] table of a fleet file asks for; nothing but the default sample time without one."""
+    if table is None:
+        return Disturbance(seed=seed)
+    given = {name: value for name, value in table if value is not None}
+    numbers = {name: float(value) for name, value in given.items() if name != "lost_link"}
+    return Disturbance(**numbers, lost_link=table.lost_link, seed=seed)
+
+
 def checked(disturbance: Disturbance, fleet: Fleet) -> Disturbance:
     """The disturbance, if it makes sense for the fleet. Raises InputError."""
     numbers = {key: value for key, value in vars(disturbance).items() if isinstance(value, float)}
     mistakes = [
-        f"{key} = {value} must be finite and >= 0" for key, value in numbers.items() if not 0 <= value < math.inf
+        f"{key} = {value} must be from {low:g} to {high:g}"
+        for key, value in numbers.items()
+        for low, high in [RANGES.get(key, (0.0, 1e6))]
+        if not low <= value <= high
     ]
     if disturbance.lost_link is not None:
         ends = set(disturbance.lost_link)
@@ -79,25 +94,80 @@ def disturbed(
     fleet: Fleet, loop: Loop, starts: Sequence[State], disturbance: Disturbance, horizon: float, tolerance: Tolerance
 ) -> Outcomes:
     """All starts under a disturbance. Raises UndecidedError where a state is no longer finite."""
-    random, ops = np.random.default_rng(disturbance.seed), numpy_ops()
-    true, state = _true_plant(loop.plant, disturbance, random), State(*map(np.stack, zip(*starts, strict=True)))
-    samples, held = math.ceil(horizon / disturbance.sample_time), round(disturbance.delay / disturbance.sample_time)
+    together = State(*map(np.stack, zip(*starts, strict=True)))
+    return _outcomes(loop, tolerance, disturbance, _samples(fleet, loop, together, disturbance, horizon))
+
+
+def disturbed_run(
+    fleet: Fleet, loop: Loop, start: State, disturbance: Disturbance, horizon: float, tolerance: Tolerance
+) -> tuple[Outcomes, Recording]:
+    """One start under a disturbance: its outcome, and a run with a point each RECORDED s or sample time.
+
+    The torques of the run are those that are commanded.
+    """
+    every, kept = max(1, round(RECORDED / disturbance.sample_time)), []
+
+    def kept_now_and_then() -> Iterator[_Sample]:
+        for number, sample in enumerate(_samples(fleet, loop, State(*(c[None] for c in start)), disturbance, horizon)):
+            if number % every == 0:
+                kept.append(sample)
+            yield sample
+
+    outcome = _outcomes(loop, tolerance, disturbance, kept_now_and_then())
+    state = State(*map(np.concatenate, zip(*(sample.before for sample in kept), strict=True)))
+    t, left, right = zip(*((sample.t, sample.tau_left, sample.tau_right) for sample in kept), strict=True)
+    energies = loop.translational_energy(state), loop.rotational_energy(state)
+    return outcome, Recording(np.array(t), state, np.concatenate(left), np.concatenate(right), *energies)
+
+
+def disturbed_summary(
+    outcome: Outcomes, run: Recording, tolerance: Tolerance, disturbance: Disturbance, nominal: dict[str, Any]
+) -> dict[str, Any]:
+    """The content of summary.json for a disturbed run of one start, with the nominal one beside it."""
+    time = float(outcome.settling_time[0])
+    peak = float(outcome.torque_ratio[0])
+    return {
+        "settling_time_s": time if math.isfinite(time) else None,
+        "tolerance": {"position_m": tolerance.position, "heading_rad": tolerance.heading},
+        "horizon_s": nominal["horizon_s"],
+        "peak_torque_ratio": peak,
+        "final_position_error_m": float(outcome.final_position[0]),
+        "final_heading_error_rad": float(outcome.final_heading[0]),
+        "max_V_increase": float(np.diff(run.V).max(initial=0)),
+        "peak_speed": float(np.abs(run.state.v).max()),
+        "peak_turn_rate": float(np.abs(run.state.omega).max()),
+        "violations": [f"a commanded wheel torque is {peak:.6g} of its limit"] if peak > 1 else [],
+        "disturbance": _said(disturbance),
+        "nominal": nominal,
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Sample:
+    """One sample time of a disturbed motion."""
+
+    t: float  # s, when it begins
+    before: State
+    after: State
+    tau_left: Floats  # N m, commanded from the measurement at t
+    tau_right: Floats  # N m
+
+
+def _samples(fleet: Fleet, loop: Loop, state: State, disturbance: Disturbance, horizon: float) -> Iterator[_Sample]:
+    """The disturbed motion from a state (..., N), sample after sample. Raises UndecidedError where it is not finite."""
+    random = np.random.default_rng(disturbance.seed)
+    true = _true_plant(loop.plant, disturbance, random)
     nothing = np.zeros_like(state.x)
-    waiting = deque([(nothing, nothing)] * held)
-    last, peak, excess = np.zeros(len(starts)), np.zeros(len(starts)), np.zeros(len(starts))
-    for sample in range(samples):
-        t = sample * disturbance.sample_time
+    waiting = deque([(nothing, nothing)] * round(disturbance.delay / disturbance.sample_time))
+    for number in range(math.ceil(horizon / disturbance.sample_time)):
+        t = number * disturbance.sample_time
         seen = _with_link_lost(fleet, loop, disturbance) if disturbance.lost_link and t >= disturbance.lost_at else loop
-        torques = control(ops, seen.plant, loop.gains, loop.excitation, t, _measured(state, disturbance, random))
+        torques = control(loop.ops, seen.plant, loop.gains, loop.excitation, t, _measured(state, disturbance, random))
         waiting.append(torques)
-        peak = np.maximum(peak, _ratio(loop, *torques))
-        state = _step(true, state, *waiting.popleft(), disturbance)
-        excess = _excess(loop, state, tolerance)
-        last = np.where(excess > 1, t + disturbance.sample_time, last)
+        before, state = state, _step(true, state, *waiting.popleft(), disturbance)
+        yield _Sample(t, before, state, *torques)
     if not all(np.isfinite(column).all() for column in state):
         raise UndecidedError(f"the disturbed motion is no longer finite by {horizon:g} s; shorten the sample time")
-    position, heading = distances(loop, state)
-    return Outcomes(np.where(excess > 1, np.inf, last), peak, position.max(axis=-1), heading.max(axis=-1))
 
 
 def largest_sample_time(
@@ -141,6 +211,15 @@ def parts(disturbance: Disturbance) -> list[Disturbance]:
     return [alone, *single, disturbance] if len(single) > 1 else [alone, *single]
 
 
+def in_words(disturbance: Disturbance) -> str:
+    """What is disturbed, for a reader."""
+    return ", ".join(f"{name} {value}" for name, value in _said(disturbance).items() if name != "seed")
+
+
+def _said(disturbance: Disturbance) -> dict[str, Any]:
+    return {name: value for name, value in vars(disturbance).items() if value}
+
+
 def report(disturbance: Disturbance, found: Outcomes, nominal: Sequence[float | None]) -> dict[str, Any]:
     """What validation.json says of a disturbance, beside the nominal settling times of the same starts."""
     from .validation import spread
@@ -148,7 +227,7 @@ def report(disturbance: Disturbance, found: Outcomes, nominal: Sequence[float | 
     times = [float(time) if math.isfinite(time) else None for time in found.settling_time]
     later = [a - b for a, b in zip(times, nominal, strict=True) if a is not None and b is not None]
     return {
-        "disturbance": {key: value for key, value in vars(disturbance).items() if value},
+        "disturbance": _said(disturbance),
         "settled": sum(time is not None for time in times),
         "settling_time_s": {**spread(times), "each": times},
         "later_than_nominal_s": {"median": float(np.median(later)), "max": max(later)} if later else None,
@@ -156,6 +235,18 @@ def report(disturbance: Disturbance, found: Outcomes, nominal: Sequence[float | 
         "final_position_error_m": float(found.final_position.max()),
         "final_heading_error_rad": float(found.final_heading.max()),
     }
+
+
+def _outcomes(loop: Loop, tolerance: Tolerance, disturbance: Disturbance, samples: Iterator[_Sample]) -> Outcomes:
+    """What all starts of a disturbed motion, (B, N), come to."""
+    last: Any = 0.0
+    peak: Any = 0.0
+    for sample in samples:
+        peak = np.maximum(peak, _ratio(loop, sample.tau_left, sample.tau_right))
+        excess = _excess(loop, sample.after, tolerance)
+        last = np.where(excess > 1, sample.t + disturbance.sample_time, last)
+    position, heading = distances(loop, sample.after)
+    return Outcomes(np.where(excess > 1, np.inf, last), peak, position.max(axis=-1), heading.max(axis=-1))
 
 
 # -- the parts ---------------------------------------------------------------------------------------------------------

@@ -41,7 +41,7 @@ def sentences(document: dict[str, Any]) -> list[str]:
     """The same for a reader."""
     lines = []
     for entry in document.get("disturbed", []):
-        what = ", ".join(f"{key} {value}" for key, value in entry["disturbance"].items() if key != "seed")
+        what = ", ".join(f"{name} {value}" for name, value in entry["disturbance"].items() if name != "seed")
         later = entry["later_than_nominal_s"]
         lines.append(
             f"with {what}: {entry['settled']} settle"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,7 +12,6 @@ from numpy.typing import NDArray
 from ..models.equations import State
 from ..models.errors import InputError, UndecidedError
 from ..models.excitation import Excitation
-from ..models.files import write_whole
 from ..models.fleet import Fleet
 from ..models.gains import Gains
 from ..synthesis.rollout import Deadline, Tolerance
@@ -22,6 +20,7 @@ from .engine import make, named
 from .integrators import Integrator
 from .loop import Loop
 from .observer import Observer, Outcome, Peak, distances
+from .recording import Recording
 
 Floats = NDArray[np.float64]
 
@@ -35,32 +34,15 @@ HOLD = 0.25  # of the settling time that an open-ended run goes on for, to see t
 
 
 @dataclass(frozen=True, eq=False)
-class Trajectory:
-    """A run: times (K,), and arrays (K, N) over the fleet."""
+class Trajectory(Recording):
+    """A run that can be looked at between its points."""
 
-    t: Floats  # s
-    state: State
-    tau_left: Floats  # N m
-    tau_right: Floats  # N m
-    V: Floats  # (K,), (17)
-    W: Floats  # (K,), (19)
     integrator: Integrator  # that made it, with its loop
 
     @property
     def loop(self) -> Loop:
         """What was integrated."""
         return self.integrator.loop
-
-    def write(self, path: Path) -> None:
-        """trajectory.npz, written whole or not at all."""
-        arrays = {
-            **self.state._asdict(),
-            "tau_left": self.tau_left,
-            "tau_right": self.tau_right,
-            "V": self.V,
-            "W": self.W,
-        }
-        write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
 
 
 def simulate(

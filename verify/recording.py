@@ -1,4 +1,4 @@
-"""A trajectory.npz read back, for figures and animations."""
+"""A run as arrays: what trajectory.npz holds, written and read back."""
 
 from __future__ import annotations
 
@@ -6,12 +6,14 @@ import zipfile
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..models.equations import State
 from ..models.errors import InputError
+from ..models.files import write_whole
 
 Floats = NDArray[np.float64]
 _UNREADABLE = (OSError, ValueError, KeyError, EOFError, RuntimeError, zipfile.BadZipFile, zlib.error)
@@ -27,6 +29,12 @@ class Recording:
     tau_right: Floats  # N m
     V: Floats  # (K,), (17)
     W: Floats  # (K,), (19)
+
+    def write(self, path: Path) -> None:
+        """trajectory.npz, written whole or not at all."""
+        torques = {"tau_left": self.tau_left, "tau_right": self.tau_right}
+        arrays: dict[str, Any] = {**self.state._asdict(), **torques, "V": self.V, "W": self.W}
+        write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
 
 
 def read_recording(path: Path) -> Recording:
