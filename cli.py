@@ -2,27 +2,32 @@
 
 from __future__ import annotations
 
-import json as json_module
-import math
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
 
+from .console import Printer
+from .jobs import (
+    certify_gains,
+    compare_designs,
+    design_gains,
+    disturbance_of,
+    prove_claims,
+    question_of,
+    read_fleet,
+    read_gains,
+    replay_start,
+    simulate_schemes,
+    starts_of,
+    theorem_holds,
+    tolerance_of,
+    validate_starts,
+    write_design,
+)
 from .models.errors import GaincertError
-
-if TYPE_CHECKING:
-    from .models.fleet import Fleet
-    from .models.gains_file import GainsFile
-    from .synthesis.rollout import Tolerance
-    from .verify.disturbance import Disturbance
-    from .verify.recording import Recording
-    from .verify.simulate import Trajectory
-    from .verify.validate import Question
 
 app = typer.Typer(
     name="gaincert",
@@ -133,49 +138,6 @@ SampleTime = Annotated[
 ]
 
 
-class Printer:
-    """Where a verb's words, document and progress go."""
-
-    def __init__(self, json: bool, quiet: bool, verbose: bool) -> None:
-        """Keep the three switches that every verb has."""
-        self.json, self.quiet, self.verbose = json, quiet, verbose
-
-    def say(self, *lines: Any) -> None:
-        """Print for a reader: to standard output, or to standard error where a document is asked for."""
-        if self.quiet:
-            return
-        from rich.console import Console
-
-        # In a pipe there is no terminal to fit into: rich would take 80 columns.
-        stream = sys.stderr if self.json else sys.stdout
-        console = Console(file=stream, highlight=False, soft_wrap=True, width=None if stream.isatty() else 120)
-        for line in lines:
-            console.print(line, markup=False)
-
-    def detail(self, *lines: Any) -> None:
-        """Print where the reader asked for more."""
-        if self.verbose:
-            self.say(*lines)
-
-    def document(self, content: Any) -> None:
-        """Print the one JSON document, where it is asked for."""
-        if self.json:
-            sys.stdout.write(json_module.dumps(content, indent=1, allow_nan=False) + "\n")
-
-    @contextmanager
-    def progress(self) -> Iterator[Any]:
-        """A progress function: a bar on a terminal, nothing in a pipe."""
-        if self.quiet or not sys.stderr.isatty():
-            yield lambda _what, _fraction: None
-            return
-        from rich.console import Console
-        from rich.progress import Progress
-
-        with Progress(console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("", total=1.0)
-            yield lambda what, fraction: bar.update(task, description=what, completed=fraction)
-
-
 @app.command()
 def init(
     fleet_path: FleetPath,
@@ -204,7 +166,7 @@ def check(fleet_path: FleetPath, json: Json = False, quiet: Quiet = False, verbo
     from .reports.fleet_summary import fleet_summary
 
     printer = Printer(json, quiet, verbose)
-    summary = fleet_summary(_fleet(fleet_path))
+    summary = fleet_summary(read_fleet(fleet_path))
     printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
     printer.document(summary)
 
@@ -221,8 +183,8 @@ def prove(
 ) -> None:
     """Check the paper's claims and the corrected theorem symbolically."""
     printer = Printer(json, quiet, verbose)
-    claims = _prove(printer, None if fleet is None else _fleet(fleet), folder)
-    if not _theorem_holds(claims):
+    claims = prove_claims(printer, None if fleet is None else read_fleet(fleet), folder)
+    if not theorem_holds(claims):
         raise typer.Exit(1)
 
 
@@ -238,25 +200,35 @@ def design(
     time_limit: TimeLimit = 600.0,
     digits: Digits = 4,
     tolerance: ToleranceOption = (0.1, 0.1),
+    compare: Annotated[
+        bool, typer.Option("--compare", help="also design under all other conditions, psi and weights, and measure all")
+    ] = False,
+    against: Annotated[
+        Path | None, typer.Option(metavar="GAINS", help="also measure the gains of this file from the same starts")
+    ] = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
 ) -> None:
     """Choose gains that settle the fleet fast, within the conditions."""
     printer = Printer(json, quiet, verbose)
-    made = _design(
-        printer,
-        _fleet(fleet_path),
-        mode,
-        conditions,
-        excitation,
-        weights,
-        seed,
-        time_limit,
-        digits,
-        _tolerance(tolerance),
-    )
-    printer.document(_write_design(printer, made, folder))
+    fleet = read_fleet(fleet_path)
+    options = {
+        "conditions": conditions,
+        "excitation": excitation,
+        "weights": weights,
+        "seed": seed,
+        "digits": digits,
+        "time_limit": time_limit,
+        "tolerance": tolerance_of(tolerance),
+    }
+    if against is not None:
+        read_gains(against, fleet)  # what is wrong with it is said before the work begins
+    made = design_gains(printer, fleet, mode=mode, **options)
+    document = write_design(printer, made, folder)
+    if compare or against is not None:
+        document["compared"] = compare_designs(printer, fleet, made, folder, compare, against, **options)
+    printer.document(document)
 
 
 @app.command()
@@ -271,10 +243,10 @@ def certify(
 ) -> None:
     """Certify gains, whoever chose them."""
     printer = Printer(json, quiet, verbose)
-    fleet = _fleet(fleet_path)
-    chosen = _gains(gains, fleet)
+    fleet = read_fleet(fleet_path)
+    chosen = read_gains(gains, fleet)
     name = conditions.value if conditions else chosen.conditions or "paper"
-    document = _certify(printer, fleet, chosen, name, folder)
+    document = certify_gains(printer, fleet, chosen, name, folder)
     printer.document(document)
     if not document["valid"]:
         raise typer.Exit(1)
@@ -294,7 +266,7 @@ def verify(
     from .verify.certificate import verify as verify_file
 
     printer = Printer(json, quiet, verbose)
-    verdict = verify_file(certificate, None if fleet is None else _fleet(fleet))
+    verdict = verify_file(certificate, None if fleet is None else read_fleet(fleet))
     printer.say(str(verdict))
     printer.document(
         {"valid": verdict.valid, "rule": verdict.rule, "reason": verdict.reason, "theorem": verdict.theorem}
@@ -322,10 +294,10 @@ def simulate(
 ) -> None:
     """Simulate the fleet from its start and draw what happens."""
     printer = Printer(json, quiet, verbose)
-    fleet = _fleet(fleet_path)
-    chosen, wide = _gains(gains, fleet), _tolerance(tolerance)
-    real = _disturbance(fleet, seed, sample_time=sample_time)
-    summary = _simulate(printer, fleet, chosen, folder, (scheme,), horizon, wide, engine, real)
+    fleet = read_fleet(fleet_path)
+    chosen, wide = read_gains(gains, fleet), tolerance_of(tolerance)
+    real = disturbance_of(fleet, seed, sample_time=sample_time)
+    summary = simulate_schemes(printer, fleet, chosen, folder, (scheme,), horizon, wide, engine, real)
     printer.document(summary)
     if summary["violations"]:
         raise typer.Exit(1)
@@ -383,31 +355,19 @@ def validate(
     verbose: Verbose = False,
 ) -> None:
     """Run the fleet from many starts; a broken run goes on where it stopped."""
-    from .reports.versions import versions
-    from .verify.validate import ask
-
     printer = Printer(json, quiet, verbose)
-    fleet = _fleet(fleet_path)
-    chosen, wide = _gains(gains, fleet), _tolerance(tolerance)
+    fleet = read_fleet(fleet_path)
+    chosen, wide = read_gains(gains, fleet), tolerance_of(tolerance)
     count = starts if replay is None else max(starts, replay + 1)
-    states, origin = _starts(fleet, count, starts_file, seed, box)
-    question = ask(
-        fleet.with_links(chosen.links),
-        chosen.gains,
-        chosen.excitation,
-        origin,
-        horizon=horizon,
-        tolerance=wide,
-        method=integrator.value,
-        versions=versions(),
-    )
+    states, origin = starts_of(fleet, count, starts_file, seed, box)
+    question = question_of(fleet, chosen, origin, horizon, wide, integrator)
     if replay is not None:
-        document = _replay(printer, question, states, replay, folder)
+        document = replay_start(printer, question, states, replay, folder)
         printer.document(document)
         if document["same"] is False:
             raise typer.Exit(1)
         return
-    real = _disturbance(
+    real = disturbance_of(
         fleet,
         seed,
         sample_time=sample_time,
@@ -417,17 +377,17 @@ def validate(
         **dict(zip(("coulomb", "viscous"), friction or (), strict=False)),
         **({"lost_link": lost_link[:2], "lost_at": lost_link[2]} if lost_link else {}),
     )
-    document = _validate(
+    document = validate_starts(
         printer,
+        fleet,
         question,
         states,
         folder,
-        None if starts_file else seed,
-        workers,
-        scheduler,
-        fleet,
-        real,
-        largest_sample_time,
+        seed=None if starts_file else seed,
+        workers=workers,
+        scheduler=scheduler,
+        real=real,
+        largest=largest_sample_time,
     )
     printer.document(document)
     if document["violations"] or any(entry["peak_torque_ratio"] > 1 for entry in document.get("disturbed", [])):
@@ -501,309 +461,37 @@ def run(
     from .reports.html import write_report
 
     printer = Printer(json, quiet, verbose)
-    fleet = _fleet(fleet_path)
-    settled = _tolerance(tolerance)
-    made = _design(printer, fleet, mode, conditions, excitation, weights, seed, time_limit, digits, settled)
-    document = {"design": _write_design(printer, made, folder)}
+    fleet = read_fleet(fleet_path)
+    settled = tolerance_of(tolerance)
+    made = design_gains(
+        printer,
+        fleet,
+        mode=mode,
+        conditions=conditions,
+        excitation=excitation,
+        weights=weights,
+        seed=seed,
+        time_limit=time_limit,
+        digits=digits,
+        tolerance=settled,
+    )
+    document = {"design": write_design(printer, made, folder)}
     chosen = GainsFile(made.gains, made.excitation, conditions.value, made.links)
-    document["certificate"] = _certify(printer, fleet, chosen, conditions.value, folder)
-    claims = _prove(printer, fleet, folder, part_of_run=True)
+    document["certificate"] = certify_gains(printer, fleet, chosen, conditions.value, folder)
+    claims = prove_claims(printer, fleet, folder, part_of_run=True)
     if fleet.start() is None:
         printer.say("simulation: left out, because the fleet file has no start for every vehicle")
     else:
-        real = _disturbance(fleet, seed)
-        document["summary"] = _simulate(printer, fleet, chosen, folder, tuple(Scheme), horizon, settled, real=real)
+        real = disturbance_of(fleet, seed)
+        document["summary"] = simulate_schemes(
+            printer, fleet, chosen, folder, tuple(Scheme), horizon, settled, real=real
+        )
     path = write_report(folder)
     printer.say(f"report: {path}")
     printer.document({**document, "report": str(path)})
     broken = document.get("summary", {}).get("violations", [])
-    if broken or not document["certificate"]["valid"] or not _theorem_holds(claims):
+    if broken or not document["certificate"]["valid"] or not theorem_holds(claims):
         raise typer.Exit(1)
-
-
-# -- what several verbs do --------------------------------------------------------------------------------------------
-
-
-def _fleet(path: Path) -> Fleet:
-    from .models.fleet_file import load
-
-    return load(path)
-
-
-def _gains(path: Path, fleet: Fleet) -> GainsFile:
-    from .models.gains_file import load_gains
-
-    return load_gains(path, fleet)
-
-
-def _tolerance(pair: tuple[float, float]) -> Tolerance:
-    from .models.errors import InputError
-    from .synthesis.rollout import Tolerance
-
-    if not all(math.isfinite(value) and value > 0 for value in pair):
-        raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad)")
-    return Tolerance(*pair)
-
-
-def _design(
-    printer: Printer,
-    fleet: Fleet,
-    mode: Mode,
-    conditions: Conditions,
-    excitation: Source | None,
-    weights: Source,
-    seed: int,
-    time_limit: float,
-    digits: int,
-    tolerance: Tolerance,
-) -> Any:
-    from .synthesis.design import design
-    from .verify.dispatch import local
-
-    with local() as (executor, _), printer.progress() as progress:
-        return design(
-            fleet,
-            conditions=conditions.value,
-            mode=mode.value,
-            excitation=excitation.value if excitation else None,
-            weights=weights.value,
-            seed=seed,
-            digits=digits,
-            time_limit=time_limit,
-            tolerance=tolerance,
-            executor=executor,
-            progress=progress,
-        )
-
-
-def _write_design(printer: Printer, made: Any, folder: Path) -> dict[str, Any]:
-    from .models.files import write_json
-    from .reports.deployment import write_fleet_copy
-    from .reports.gain_table import for_terminal, rows, write_csv
-    from .reports.versions import versions
-    from .synthesis.design import as_json
-
-    document = as_json(made, versions())
-    table = rows(made.used_fleet, made.excitation, made.gains)
-    write_json(folder / "design.json", document)
-    write_csv(folder / "gains.csv", table)
-    write_fleet_copy(made.fleet, folder)
-    times = sorted(made.settling)
-    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
-    printer.say(
-        for_terminal(table),
-        f"conditions {made.conditions.name} ({', '.join(made.conditions.sources)}), found by the {made.origin}",
-        f"psi: {'designed' if made.excitation_designed else 'as given'}, |psi| <= {float(made.excitation.bound):.6g}, "
-        f"{float(made.excitation.frequency):.4g} rad/s",
-        f"settles within {made.tolerance.position:g} m and {made.tolerance.heading:g} rad from {len(times)} starts: "
-        f"median {times[len(times) // 2]:.0f} s, worst {worst}",
-    )
-    if not made.excitation_designed:
-        printer.say("psi was given; --excitation designed may settle faster")
-    printer.detail(f"wrote {folder / 'design.json'} and {folder / 'gains.csv'}")
-    return document
-
-
-def _certify(printer: Printer, fleet: Fleet, chosen: GainsFile, conditions: str, folder: Path) -> dict[str, Any]:
-    from .reports.deployment import write_fleet_copy
-    from .verify.certificate import certify
-
-    certificate = certify(fleet, chosen.excitation, chosen.gains, conditions, links=chosen.links)
-    path = folder / "certificate.json"
-    if certificate.valid:
-        certificate.write(path)
-        write_fleet_copy(fleet, folder)
-        printer.say(f"certificate: {path}")
-    else:
-        printer.say(
-            "not certified:", *(str(violation) for violation in certificate.violations or (certificate.verdict,))
-        )
-    printer.say(*(f"note: {note}" for note in certificate.notes))
-    return {
-        "valid": certificate.valid,
-        "conditions": conditions,
-        "certificate": str(path) if certificate.valid else None,
-        "failures": [str(violation) for violation in certificate.violations],
-        "notes": list(certificate.notes),
-    }
-
-
-def _prove(printer: Printer, fleet: Fleet | None, folder: Path | None, *, part_of_run: bool = False) -> Any:
-    from .reports.proof_figures import write as write_witness_figures
-    from .reports.proof_report import claims_to_json, write
-    from .verify.proof import prove
-
-    claims = prove(fleet)
-    counts: dict[str, int] = {}
-    for claim in claims:
-        counts[claim.status.name] = counts.get(claim.status.name, 0) + 1
-    printer.say(
-        f"proof check: {len(claims)} claims, "
-        + ", ".join(f"{number} {name}" for name, number in sorted(counts.items()))
-        + ("; the corrected theorem is proved" if _theorem_holds(claims) else "; the corrected theorem is NOT proved")
-    )
-    for claim in claims:
-        if printer.verbose or (claim.status.name in ("REFUTED", "CORRECTED", "OPEN") and not part_of_run):
-            printer.say(f"  {claim.status.name:9} {claim.source}: {claim.reason}")
-    if folder is not None:
-        write(claims, folder)
-        write_witness_figures(folder / "figures")
-        printer.say(f"proof report: {folder / 'proof.html'}")
-    if not part_of_run:
-        printer.document(claims_to_json(claims))
-    return claims
-
-
-def _theorem_holds(claims: Any) -> bool:
-    from .verify.proof import theorem_proved
-
-    return theorem_proved(claims)
-
-
-def _simulate(
-    printer: Printer,
-    fleet: Fleet,
-    chosen: GainsFile,
-    folder: Path,
-    schemes: tuple[Scheme, ...],
-    horizon: float | None,
-    tolerance: Tolerance,
-    engine: Engine = Engine.auto,
-    real: Disturbance | None = None,
-) -> dict[str, Any]:
-    """Simulate the schemes and write all files; the first is summarised, with the disturbance where there is one."""
-    from .models.equations import State
-    from .models.errors import UndecidedError
-    from .models.files import write_json
-    from .reports.deployment import write_fleet_copy
-    from .reports.figures import write_figures
-    from .reports.versions import versions
-    from .verify.disturbance import disturbed_run, disturbed_summary, in_words
-    from .verify.simulate import integration_error, simulate, summarize
-
-    runs: dict[str, Trajectory] = {}
-    for scheme in schemes:
-        end = horizon if not runs else float(runs[schemes[0].value].t[-1])
-        try:
-            with printer.progress() as progress:
-                runs[scheme.value] = simulate(
-                    fleet.with_links(chosen.links),
-                    chosen.gains,
-                    chosen.excitation,
-                    bounded=scheme is Scheme.bounded,
-                    horizon=end,
-                    tolerance=tolerance,
-                    engine=engine.value,
-                    progress=progress,
-                )
-        except UndecidedError as error:
-            if not runs:
-                raise
-            printer.say(f"{scheme.value} scheme for comparison: {error}")
-    first = runs[schemes[0].value]
-    stored: Recording = first
-    summary = {**summarize(fleet, first, tolerance), **integration_error(first)}
-    drawn: dict[str, Recording] = {f"{name} scheme": run for name, run in runs.items()}
-    printer.say(f"simulation of the {schemes[0].value} scheme: {_run_in_words(summary)}")
-    if real is not None:
-        start = State(*(column[0] for column in first.state))
-        outcome, stored = disturbed_run(fleet, first.loop, start, real, float(first.t[-1]), tolerance)
-        summary = disturbed_summary(outcome, stored, tolerance, real, summary)
-        drawn = {"with the disturbance": stored, **drawn}
-        printer.say(f"with the disturbance ({in_words(real)}): {_run_in_words(summary)}")
-    record = {**summary, "scheme": schemes[0].value, "fleet_digest": fleet.digest, "versions": versions()}
-    stored.write(folder / "trajectory.npz")
-    write_json(folder / "summary.json", record)
-    write_fleet_copy(fleet, folder)
-    write_figures(fleet, drawn, folder / "figures")
-    printer.say(*(f"FALSE: {violation}" for violation in summary["violations"]), f"figures: {folder / 'figures'}")
-    return record
-
-
-def _run_in_words(summary: dict[str, Any]) -> str:
-    settled, error = summary["settling_time_s"], summary.get("integration_error_m")
-    return (
-        (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
-        + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
-        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad"
-        + ("" if error is None else f", integration error {error:.1g} m")
-    )
-
-
-def _starts(fleet: Fleet, count: int, file: Path | None, seed: int, box: float | None) -> tuple[Any, dict[str, Any]]:
-    """The starts to validate from, and where they come from."""
-    from .models.starts import load_starts, random_starts, scale
-    from .verify.validate import origin_of_states
-
-    if file is not None:
-        states = load_starts(file, fleet)
-        return states, {"file": file.name, **origin_of_states(states)}
-    half = scale(fleet) if box is None else box / 2
-    return random_starts(fleet, count, seed, half), {"random": {"seed": seed, "box_m": 2 * half}}
-
-
-def _validate(
-    printer: Printer,
-    question: Question,
-    states: Any,
-    folder: Path,
-    seed: int | None,
-    workers: int | None,
-    scheduler: str | None,
-    fleet: Fleet,
-    real: Disturbance | None,
-    largest: bool,
-) -> dict[str, Any]:
-    from .models.files import write_json
-    from .reports.versions import versions
-    from .verify.dispatch import cluster, local
-    from .verify.robustness import robustness
-    from .verify.robustness import sentences as robust_sentences
-    from .verify.validate import validate
-    from .verify.validation import sentences, summarize
-
-    with cluster(scheduler) if scheduler else local(workers) as (executor, count), printer.progress() as progress:
-        results = validate(question, states, folder, executor, count, progress)
-    document = summarize(question, results, seed)
-    if real is not None or largest:
-        with printer.progress() as progress:
-            document |= robustness(fleet, question, states, results, real, largest, progress)
-    document["versions"] = versions()
-    write_json(folder / "validation.json", document)
-    printer.say(*sentences(document), *robust_sentences(document))
-    return document
-
-
-def _disturbance(fleet: Fleet, seed: int, **options: Any) -> Disturbance | None:
-    """What the fleet's [disturbance] table asks for, or the options where they are given; None without either."""
-    from dataclasses import replace
-
-    from .verify.disturbance import checked, of_table
-
-    given = {name: value for name, value in options.items() if value is not None}
-    if not given and fleet.disturbance is None:
-        return None
-    return checked(replace(of_table(fleet.disturbance, seed), **given), fleet)
-
-
-def _replay(printer: Printer, question: Question, states: Any, number: int, folder: Path) -> dict[str, Any]:
-    """One start again, in this process; compared with the stored result where there is one."""
-    from .models.errors import InputError
-    from .verify.validate import replay
-
-    if number >= len(states):
-        raise InputError(f"--replay {number}: the file has the starts 0 to {len(states) - 1}")
-    result, stored, run = replay(question, number, states[number], folder)
-    path = folder / f"replay-{number}.npz"
-    run.write(path)
-    same = None if stored is None else stored == result
-    verdict = {None: "no stored result to compare with", True: "identical to the stored one", False: "DIFFERS from it"}
-    settled = result["settling_time_s"]
-    printer.say(
-        f"start {number}: {result['failure'] or f'settles after {settled:.6g} s'}; {verdict[same]}",
-        f"trajectory: {path}",
-    )
-    return {**result, "same": same, "trajectory": str(path)}
 
 
 def main() -> None:

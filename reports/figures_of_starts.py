@@ -44,7 +44,7 @@ def _title(settled: int, starts: int) -> str:
 
 
 def write_designs(designs: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """designs.svg and .png from the rows of `conditions_table.design_rows`: one dot per start, a bar at the median."""
+    """designs.svg and .png from the rows of `designs_table.design_rows`: one dot per start, a bar at the median."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 

@@ -15,8 +15,9 @@ from ..models.fleet import Fleet
 from ..models.fleet_file import MAX_CSV_BYTES, read_text
 from ..verify.recording import Recording, read_recording
 from .animation import animation_data
-from .conditions_table import condition_rows, design_rows, read_json
+from .conditions_table import condition_rows
 from .deployment import FLEET_COPY, Deployment, load_fleet
+from .designs_table import HEADINGS, design_rows, read_json
 from .embed import figure_data, safe_mathml, script_hash
 from .gain_table import COLUMNS, rows
 from .render import render, undefined_error
@@ -40,7 +41,7 @@ CAPTIONS = {
     "figures/torques": "The larger wheel torque of each vehicle over its limit (figure 7).",
     "figures/energies": "The energies V of (17) and W of (19); under the bounded scheme V never rises.",
     "figures/settling": "Settling times over many starts.",
-    "figures/designs": "Settling times of the designs from the starts that they were ranked on.",
+    "figures/designs": "Settling times of the designs, a dot for every start.",
     "figures/witness_energy": "Witness: W rises under the paper's gains, which meet (15).",
     "figures/witness_bang_bang": "Witness: under a bounded push the turn rate grows without bound, though (15) holds.",
     "proof_graph": "What rests on what in the proof.",
@@ -92,6 +93,7 @@ def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[
         "hidden": max(0, len(gains) - SHOWN),
         "conditions": condition_rows(deployed) if deployed else [],
         "designs": design_rows(folder),
+        "design_headings": HEADINGS,
         "times": _times(found["design"]),
         "animation": animation_data(fleet, recording) if fleet and recording else None,
         "missing_fleet": fleet is None and (folder / "trajectory.npz").is_file(),

@@ -6,9 +6,11 @@ import resource
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from gaincert.jobs import _variants
 
 ROOT = Path(__file__).parent.parent
 EXAMPLES = ROOT / "examples"
@@ -238,3 +240,32 @@ def test_a_sampled_simulation_is_reported_against_the_nominal_one(tmp_path: Path
     assert 0 < apart < 0.1
     with np.load(tmp_path / "trajectory.npz", allow_pickle=False) as stored:
         assert stored["x"].shape == (100, 6)
+
+
+@pytest.mark.slow
+def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Path) -> None:
+    fleet = tmp_path / "fleet.toml"
+    assert gaincert("init", fleet, "--template", "line", "--vehicles", "1").returncode == 0
+    gains = tmp_path / "mine.toml"
+    gains.write_text("p_v = 0.4\nd_v = 1\np_omega = 0.1\nd_omega = 0.3\nk_alpha = 0.1\n")
+    options = ("--conditions", "corrected", "--against", gains, "--json")
+    done = gaincert("design", fleet, "-o", tmp_path / "out", *options)
+    assert done.returncode == 2  # gains need the psi that they are for
+    assert not (tmp_path / "out").exists()
+    gains.write_text(gains.read_text() + '[excitation]\nfamily = "harmonics"\nfrequency = 1\nsin = [1]\n')
+    done = gaincert("design", fleet, "-o", tmp_path / "out", *options)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(done.stdout)["compared"]
+    assert [row["name"] for row in rows] == ["this design", "mine"]
+    assert rows[0]["settled"] == "20 of 20"
+    assert (tmp_path / "out" / "mine" / "validation.json").is_file()
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) -> None:
+    fleet = SimpleNamespace(psi=object() if given else None)
+    made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None)
+    variants = [tuple(choice.values()) for choice in _variants(fleet, made)]
+    assert len(set(variants)) == len(variants) == (11 if given else 5)
+    assert ("paper", "designed", "given") not in variants
+    assert any(choice[1] == "given" for choice in variants) == given

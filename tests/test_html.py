@@ -17,8 +17,9 @@ from gaincert.models.equations import State
 from gaincert.models.errors import InputError
 from gaincert.models.paper import paper_fleet
 from gaincert.reports.animation import ANGLE, RATIO, animation_data, frame_indices
-from gaincert.reports.conditions_table import condition_rows, design_rows
+from gaincert.reports.conditions_table import condition_rows
 from gaincert.reports.deployment import load_deployment
+from gaincert.reports.designs_table import design_rows
 from gaincert.reports.embed import safe_mathml
 from gaincert.reports.html import write_report
 from gaincert.reports.movie import write_movie

@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parent.parent
-LAYERS = ["models", "synthesis", "verify", "reports", "cli"]
-SOURCES = [path for layer in LAYERS[:-1] for path in sorted((ROOT / layer).rglob("*.py"))] + [ROOT / "cli.py"]
+LAYERS = ["models", "synthesis", "verify", "reports", "console", "jobs", "cli"]
+FOLDERS = LAYERS[:4]
+SOURCES = [path for layer in FOLDERS for path in sorted((ROOT / layer).rglob("*.py"))]
+SOURCES += [ROOT / f"{module}.py" for module in LAYERS[4:]]
 
 
 def imported_layers(path: Path) -> set[str]:
