@@ -4,14 +4,14 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/paper
 
-.PHONY: demo test check bench docs clean
+.PHONY: demo test check bench fuzz docs clean
 
 demo: $(VENV)/base
 	$(BIN)/gaincert run examples/paper.toml -o $(OUT)
 	@echo "open $(OUT)/report.html"
 
 test: $(VENV)/test
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 check: $(VENV)/dev
 	$(BIN)/ruff format --check .
@@ -21,6 +21,11 @@ check: $(VENV)/dev
 
 bench: $(VENV)/test
 	$(BIN)/python -m benchmarks
+
+fuzz: $(VENV)/test
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]"
+	GAINCERT_FUZZ_SECONDS=120 $(BIN)/python -m pytest tests/test_fuzz.py
+	$(BIN)/python tests/fuzz_loaders.py --seconds 60
 
 docs: $(VENV)/docs
 	mkdir -p build/types && ln -sfn ../.. build/types/gaincert

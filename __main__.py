@@ -1,5 +1,17 @@
-"""`python -m gaincert`."""
+"""`python -m gaincert` and the command `gaincert`."""
 
-from .cli import main
+from __future__ import annotations
 
-main()
+
+def main() -> None:
+    """Run the command line; an interrupt while it is loaded is no traceback either."""
+    try:
+        from .cli import main as command_line
+
+        command_line()
+    except KeyboardInterrupt:
+        raise SystemExit(130) from None
+
+
+if __name__ == "__main__":
+    main()

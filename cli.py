@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import sys
+from contextlib import suppress
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from .console import Printer
+from .console import Printer, flush
 from .jobs import (
     certify_gains,
     compare_designs,
@@ -27,7 +29,7 @@ from .jobs import (
     validate_starts,
     write_design,
 )
-from .models.errors import GaincertError
+from .models.errors import GaincertError, one_line
 
 app = typer.Typer(
     name="gaincert",
@@ -37,6 +39,8 @@ app = typer.Typer(
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
 )
+
+INTERRUPTED = 130  # the exit code
 
 
 class Template(StrEnum):
@@ -267,7 +271,7 @@ def verify(
 
     printer = Printer(json, quiet, verbose)
     verdict = verify_file(certificate, None if fleet is None else read_fleet(fleet))
-    printer.say(str(verdict))
+    printer.say(*str(verdict).split("\n"))
     printer.document(
         {"valid": verdict.valid, "rule": verdict.rule, "reason": verdict.reason, "theorem": verdict.theorem}
     )
@@ -314,7 +318,9 @@ def validate(
     ] = None,
     box: Annotated[
         float | None,
-        typer.Option(min=0, metavar="M", help="side of the square around the goal [default: the fleet's own scale]"),
+        typer.Option(
+            min=0, max=1e6, metavar="M", help="side of the square around the goal [default: the fleet's own scale]"
+        ),
     ] = None,
     seed: Seed = 0,
     horizon: Annotated[float, typer.Option(min=0.1, max=1e6, help="s that every start runs for")] = 300.0,
@@ -496,14 +502,28 @@ def run(
 
 def main() -> None:
     """The entry point: an expected failure is one message and an exit code, never a traceback."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a terminal may lack a character
+        sys.stdout.reconfigure(errors="backslashreplace")
     try:
-        app()
+        try:
+            app()
+        finally:
+            flush()
     except GaincertError as error:
-        sys.stderr.write(f"error: {error}\n".replace("\n", "\nerror: ").removesuffix("error: "))
+        _complain(*str(error).split("\n"))
         raise SystemExit(error.exit_code) from None
-    except KeyboardInterrupt:
-        sys.stderr.write("interrupted; every file that was finished is whole\n")
-        raise SystemExit(130) from None
+    except OSError as error:
+        _complain(f"{error.filename or 'the system'}: {error.strerror or error}")
+        raise SystemExit(GaincertError.exit_code) from None
+    except SystemExit as leaving:
+        if leaving.code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt
+            sys.stderr.write("interrupted; every file that was finished is whole\n")
+        raise
+
+
+def _complain(*lines: str) -> None:
+    with suppress(OSError):  # where standard error takes nothing either, the exit code says it
+        sys.stderr.write("".join(f"error: {one_line(line)}\n" for line in lines))
 
 
 if __name__ == "__main__":

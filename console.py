@@ -3,10 +3,17 @@
 from __future__ import annotations
 
 import json as json_module
+import logging
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from copy import copy
 from typing import Any
+
+from .models.errors import InputError, one_line
+
+READER_LEFT = 141  # the exit code where nobody reads standard output any more, as a shell says it of SIGPIPE
 
 
 class Printer:
@@ -15,10 +22,14 @@ class Printer:
     def __init__(self, json: bool, quiet: bool, verbose: bool) -> None:
         """Keep the three switches that every verb has."""
         self.json, self.quiet, self.verbose = json, quiet, verbose
+        # A method that failed and was left out is a warning: it goes to standard error.
+        logging.getLogger(__package__).setLevel(logging.ERROR if quiet else logging.WARNING)
 
     def silent(self) -> Printer:
         """The same, but for words and documents: for work inside a job that says more itself."""
-        return Printer(False, True, False)
+        other = copy(self)  # which leaves warnings as they are
+        other.json, other.quiet, other.verbose = False, True, False
+        return other
 
     def say(self, *lines: Any) -> None:
         """Print for a reader: to standard output, or to standard error where a document is asked for."""
@@ -29,8 +40,9 @@ class Printer:
         # In a pipe there is no terminal to fit into: rich would take 80 columns.
         stream = sys.stderr if self.json else sys.stdout
         console = Console(file=stream, highlight=False, soft_wrap=True, width=None if stream.isatty() else 120)
-        for line in lines:
-            console.print(line, markup=False)
+        with _output():
+            for line in lines:
+                console.print(one_line(line) if isinstance(line, str) else line, markup=False)
 
     def detail(self, *lines: Any) -> None:
         """Print where the reader asked for more."""
@@ -40,7 +52,8 @@ class Printer:
     def document(self, content: Any) -> None:
         """Print the one JSON document, where it is asked for."""
         if self.json:
-            sys.stdout.write(json_module.dumps(content, indent=1, allow_nan=False) + "\n")
+            with _output():
+                sys.stdout.write(json_module.dumps(content, indent=1, allow_nan=False) + "\n")
 
     @contextmanager
     def progress(self) -> Iterator[Any]:
@@ -54,3 +67,24 @@ class Printer:
         with Progress(console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("", total=1.0)
             yield lambda what, fraction: bar.update(task, description=what, completed=fraction)
+
+
+def flush() -> None:
+    """Hand over what was said. Raises InputError where standard output does not take it, which is then dropped."""
+    try:
+        with _output():
+            sys.stdout.flush()
+    except BaseException:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())  # Python would try again at its end
+        raise
+
+
+@contextmanager
+def _output() -> Iterator[None]:
+    """What the system says of standard output as an exit: a message, or none where the reader has left."""
+    try:
+        yield
+    except (BrokenPipeError, SystemExit):  # rich makes an exit of the one
+        raise SystemExit(READER_LEFT) from None
+    except OSError as error:
+        raise InputError(f"standard output: cannot be written: {error.strerror}") from None

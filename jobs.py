@@ -35,13 +35,16 @@ def read_gains(path: Path, fleet: Fleet) -> GainsFile:
     return load_gains(path, fleet)
 
 
+LARGEST_TOLERANCE = 1e6  # m, rad; it is squared
+
+
 def tolerance_of(pair: tuple[float, float]) -> Tolerance:
     """The tolerance (m, rad) of two options. Raises InputError."""
     from .models.errors import InputError
     from .synthesis.rollout import Tolerance
 
-    if not all(math.isfinite(value) and value > 0 for value in pair):
-        raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad)")
+    if not all(0 < value <= LARGEST_TOLERANCE for value in pair):
+        raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad), at most 1e6")
     return Tolerance(*pair)
 
 
@@ -313,7 +316,10 @@ def validate_starts(
     from .verify.validate import validate
     from .verify.validation import sentences, summarize
 
-    with cluster(scheduler) if scheduler else local(workers) as (executor, count), printer.progress() as progress:
+    with (
+        local(workers) if scheduler is None else cluster(scheduler) as (executor, count),
+        printer.progress() as progress,
+    ):
         results = validate(question, states, folder, executor, count, progress)
     document = summarize(question, results, seed)
     if real is not None or largest:

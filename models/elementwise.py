@@ -33,9 +33,6 @@ class Elementwise:
     def __le__(self, other: Any) -> Any:
         return self.expression <= plain(other)
 
-    def __lt__(self, other: Any) -> Any:
-        return self.expression <= plain(other)  # a solver knows no strict inequality
-
     __radd__, __rmul__ = __add__, __mul__
 
 

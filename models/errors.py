@@ -15,11 +15,11 @@ class InputError(GaincertError):
     exit_code = 2
 
     def __init__(self, *mistakes: str) -> None:
-        self.mistakes = tuple(map(_one_line, mistakes))
+        self.mistakes = tuple(map(one_line, mistakes))
         super().__init__("\n".join(self.mistakes))
 
 
-def _one_line(text: str) -> str:
+def one_line(text: str) -> str:
     """The text with every character that is not printable written as its escape."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 

@@ -71,7 +71,7 @@ class Excitation:
         if self.over_pi:
             raise ValueError("coefficients with 1/pi are no table of a fleet file")
         tones = {"sin": [decimal_text(s) for s in self.sin], "cos": [decimal_text(c) for c in self.cos]}
-        return {"family": "harmonics", **common, **{key: values for key, values in tones.items() if values}}
+        return {"family": "harmonics", **common, **tones}
 
     def derivative(self) -> Excitation:
         """psi'(t), again a Fourier sum."""

@@ -22,6 +22,7 @@ from .numbers import decimal_text
 
 MAX_TOML_BYTES = 32 * 2**20
 MAX_CSV_BYTES = 1024 * 2**20
+SUGGESTED = 100  # mistakes up to which a likely name is sought among those of the fleet, which takes long
 
 
 def load(path: str | Path) -> Fleet:
@@ -94,17 +95,17 @@ def _with_tables(content: dict[str, Any], folder: Path) -> dict[str, Any]:
     if isinstance(content.get("vehicles"), str):
         if "vehicle" in content:
             raise InputError("vehicles = CSV file and [[vehicle]] tables exclude each other; keep one")
-        rows = _read_csv(folder / content.pop("vehicles"), list(_VEHICLE_COLUMNS))
+        rows = read_csv(folder / content.pop("vehicles"), list(_VEHICLE_COLUMNS))
         content["vehicle"] = [_vehicle_row(row) for row in rows]
     graph = content.get("graph")
     if isinstance(graph, dict):
         graph = content["graph"] = dict(graph)
         if isinstance(graph.get("edges"), str):
-            rows = _read_csv(folder / graph["edges"], ["from", "to", "weight"])
+            rows = read_csv(folder / graph["edges"], ["from", "to", "weight"])
             graph["edges"] = [[row["from"], row["to"], row["weight"]] for row in rows]
         if isinstance(graph.get("leader_links"), str):
             leaders = folder / graph["leader_links"]
-            rows = _read_csv(leaders, ["vehicle", "weight"])
+            rows = read_csv(leaders, ["vehicle", "weight"])
             if twice := [
                 name for name, rows_of_it in Counter(row["vehicle"] for row in rows).items() if rows_of_it > 1
             ]:
@@ -120,14 +121,24 @@ def _vehicle_row(row: dict[str, str]) -> dict[str, Any]:
     return vehicle
 
 
-def _read_csv(path: Path, columns: list[str]) -> list[dict[str, str]]:
-    reader = csv.DictReader(read_text(path, MAX_CSV_BYTES).splitlines())
+_LINE = re.compile(r"[^\r\n]++(?:\r\n?|\n)?|\r\n?|\n")
+
+
+def csv_rows(path: Path) -> tuple[list[str], list[dict[str, str]]]:
+    """The first line of a CSV table and its rows, whatever they hold. Raises InputError."""
+    # Not splitlines: a quoted name may hold a line break, or what Unicode calls one.
+    reader = csv.DictReader(found[0] for found in _LINE.finditer(read_text(path, MAX_CSV_BYTES)))
     try:
-        if list(reader.fieldnames or []) != columns:
-            raise InputError(f"{path}: the first line must be {','.join(columns)}")
-        rows = list(reader)
+        return list(reader.fieldnames or []), list(reader)
     except csv.Error as error:
         raise InputError(f"{path}: line {reader.reader.line_num}: {error}") from None
+
+
+def read_csv(path: Path, columns: list[str]) -> list[dict[str, str]]:
+    """The rows of a CSV table with exactly these columns. Raises InputError."""
+    heading, rows = csv_rows(path)
+    if heading != columns:
+        raise InputError(f"{path}: the first line must be {','.join(columns)}")
     for number, row in enumerate(rows, 2):
         if None in row or None in row.values():
             raise InputError(f"{path}: row {number} must have {len(columns)} columns: {','.join(columns)}")
@@ -145,9 +156,11 @@ def _with_robots(content: dict[str, Any], folder: Path, mistakes: list[str]) -> 
     replaced = []
     for vehicle in vehicles:
         if isinstance(vehicle, dict) and "urdf" in vehicle:
-            source = str(vehicle["urdf"])
+            source = vehicle["urdf"] if isinstance(vehicle["urdf"], str) else None
             if source not in known:
                 try:
+                    if source is None:
+                        raise InputError(f"urdf = {shown(vehicle['urdf'])} must be a text in quotes")
                     known[source] = read_urdf(folder / source)
                 except InputError as error:
                     mistakes += error.mistakes
@@ -165,7 +178,11 @@ def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Map
     """One line for every mistake in names and links: (A1) of the theorem and a well-formed graph. O(N + E)."""
     if not names:
         return ["the fleet has no vehicles; add a [[vehicle]] table"]
-    mistakes = []
+    mistakes: list[str] = []
+
+    def meant(word: str) -> str:
+        return _suggest(word, names) if len(mistakes) < SUGGESTED else ""
+
     neighbours: dict[str, list[str]] = {}
     for name in names:
         if name in neighbours:
@@ -176,7 +193,7 @@ def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Map
         pair = (min(a, b), max(a, b))
         for end in pair:
             if end not in neighbours:
-                mistakes.append(f"graph: edge {a!r} - {b!r}: there is no vehicle {end!r}{_suggest(end, names)}")
+                mistakes.append(f"graph: edge {a!r} - {b!r}: there is no vehicle {end!r}{meant(end)}")
         if a == b:
             mistakes.append(f"graph: edge {a!r} - {b!r} joins a vehicle to itself; remove it")
         elif pair in seen:
@@ -188,7 +205,7 @@ def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Map
     led = []
     for name, weight in leader_links.items():
         if name not in neighbours:
-            mistakes.append(f"graph: leader link of {name!r}: there is no such vehicle{_suggest(name, names)}")
+            mistakes.append(f"graph: leader link of {name!r}: there is no such vehicle{meant(name)}")
         elif weight != 0:
             led.append(name)
     return mistakes or _unled(neighbours, led)
@@ -237,7 +254,7 @@ def explain(item: Any, content: dict[str, Any]) -> list[str]:
             f"{place}unknown key {key!r}{_suggest(item['loc'][-1], _known_keys(item['loc']))}; correct or remove it"
         ]
     if kind in ("number", "edge") or isinstance(value, (str, int, Decimal)):
-        return [f"{place}{key} = {_shown(value)} {_requirement(item)}"]
+        return [f"{place}{key} = {shown(value)} {_requirement(item)}"]
     return [f"{place}{key} {_requirement(item)}"]
 
 
@@ -297,7 +314,8 @@ def _suggest(word: Any, known: Iterable[str]) -> str:
     return f" (did you mean {close[0]!r}?)" if close else ""
 
 
-def _shown(value: Any) -> str:
+def shown(value: Any) -> str:
+    """A value of a file in a message, cut where it is long."""
     try:
         text = repr(value) if isinstance(value, str) else str(value)
     except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from .errors import InputError
 from .excitation import Excitation
 from .fleet import ExcitationTable, Fleet, Links, column
-from .fleet_file import MAX_CSV_BYTES, explain, read_text, read_toml
+from .fleet_file import MAX_CSV_BYTES, csv_rows, explain, read_text, read_toml, shown
 from .gains import GAIN_NAMES, Gains
 from .numbers import exact
 
@@ -59,6 +58,8 @@ def _from_json(path: Path, _: Fleet) -> _Content:
         content = json.loads(read_text(path, MAX_CSV_BYTES), parse_float=Decimal)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON: {error}") from None
+    except ArithmeticError:
+        raise InputError(f"{path}: holds a number whose exponent is beyond all reading; correct it") from None
     if not isinstance(content, dict) or not isinstance(content.get("gains"), dict):
         raise InputError(f"{path}: is not a design.json: it has no object 'gains'")
     conditions, digest = content.get("conditions"), content.get("fleet_digest")
@@ -75,12 +76,12 @@ def _from_toml(path: Path, fleet: Fleet) -> _Content:
 
 
 def _from_csv(path: Path, fleet: Fleet) -> _Content:
-    reader = csv.DictReader(read_text(path, MAX_CSV_BYTES).splitlines())
+    heading, entries = csv_rows(path)
     wanted = ["vehicle", *GAIN_NAMES]
-    if missing := [key for key in wanted if key not in (reader.fieldnames or [])]:
+    if missing := [key for key in wanted if key not in heading]:
         raise InputError(f"{path}: has no column {missing[0]!r}; a gains.csv has the columns {','.join(wanted)}")
     rows: dict[str, Mapping[str, str]] = {}
-    for row in reader:
+    for row in entries:
         if row["vehicle"] in rows:
             raise InputError(f"{path}: vehicle {row['vehicle']!r} stands twice")
         rows[row["vehicle"]] = row
@@ -112,12 +113,10 @@ def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], m
         try:
             number = exact(entry)
         except ValueError as error:
-            mistakes.append(
-                f"{path}: vehicle {vehicle!r}: {name} = {str(entry)[:40]!r} {error}; it must be a number > 0"
-            )
+            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} {error}; it must be a number > 0")
             continue
         if number <= 0:
-            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {entry} must be > 0")
+            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} must be > 0")
         numbers.append(number)
     return numbers
 

@@ -216,5 +216,5 @@ def tanh_below(q: Fraction | float) -> Fraction | float:
 
     exact = Fraction(q)
     with ctx.workprec(4 * ENCLOSURE_DIGITS):
-        scaled = arb(fmpq(exact.numerator, exact.denominator)).tanh() * arb(10) ** ENCLOSURE_DIGITS
+        scaled = arb(fmpq(exact.numerator, exact.denominator)).tanh() * 10**ENCLOSURE_DIGITS
         return Fraction(int(scaled.lower().floor().fmpz()), 10**ENCLOSURE_DIGITS)

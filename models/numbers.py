@@ -30,7 +30,9 @@ def exact(value: Any) -> Fraction:
         raise ValueError("is not a number") from None
     if not number.is_finite():
         raise ValueError("is not finite")
-    if number and (abs(number.adjusted()) > MAX_EXPONENT or len(number.as_tuple().digits) > MAX_DIGITS):
+    digits = number.as_tuple().digits
+    count = len(digits) - (digits[-1] == 0)  # 1e60 written out has one more, a zero, and must read back
+    if number and (abs(number.adjusted()) > MAX_EXPONENT or count > MAX_DIGITS):
         raise ValueError(f"has more than {MAX_DIGITS} digits or an exponent beyond {MAX_EXPONENT}")
     return Fraction(number)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from pathlib import Path
 
@@ -11,7 +10,7 @@ import numpy as np
 from .equations import State
 from .errors import InputError
 from .fleet import Fleet
-from .fleet_file import MAX_CSV_BYTES, read_text
+from .fleet_file import read_csv
 from .numbers import exact
 
 COLUMNS = ["start", "vehicle", "x", "y", "theta", "v", "omega"]
@@ -53,14 +52,9 @@ def load_starts(path: Path, fleet: Fleet) -> list[State]:
 
     Raises InputError where a row is malformed or a start does not name every vehicle once.
     """
-    rows = csv.DictReader(read_text(path, MAX_CSV_BYTES).splitlines())
-    if list(rows.fieldnames or []) != COLUMNS:
-        raise InputError(f"{path}: the first line must be {','.join(COLUMNS)}")
     index = {name: i for i, name in enumerate(fleet.names)}
     found: dict[str, dict[int, list[float]]] = {}
-    for number, row in enumerate(rows, 2):
-        if None in row or None in row.values():
-            raise InputError(f"{path}: row {number} must have {len(COLUMNS)} columns: {','.join(COLUMNS)}")
+    for number, row in enumerate(read_csv(path, COLUMNS), 2):
         vehicle = index.get(row["vehicle"])
         if vehicle is None or vehicle in found.setdefault(row["start"], {}):
             why = "there is no such vehicle" if vehicle is None else "it stands twice"

@@ -9,7 +9,7 @@ from typing import Any
 
 from .errors import InputError
 from .fleet_file import read_text
-from .numbers import exact
+from .numbers import decimal_text, exact
 
 MAX_URDF_BYTES = 16 * 2**20
 PLACES = 12  # decimal places of a number that had to be computed in floating point
@@ -28,21 +28,21 @@ def read_urdf(path: Path) -> dict[str, Any]:
         wheels = _drive_wheels(root)
         left, right = (poses[wheel.find("child").get("link")] for wheel in wheels)
         centre = [(a + b) / 2 for a, b in zip(left[1], right[1], strict=True)]
-        mass, inertia = _body(root, poses, centre)
+        mass, moment = _body(root, poses, centre)
         radii = {_wheel_radius(root, wheel) for wheel in wheels}
+        half_track = math.dist(left[1][:2], right[1][:2]) / 2
+        body = {
+            "mass": exact(decimal_text(mass)),
+            "inertia": _decimal(moment),
+            "half_track": _decimal(half_track),
+        }
     except (KeyError, ValueError, AttributeError, TypeError) as error:
         raise InputError(f"{path}: is not a differential-drive URDF: {error}") from None
     if len(radii) != 1:
         raise InputError(
             f"{path}: the two drive wheels have different radii {sorted(map(float, radii))}; one is needed"
         )
-    half_track = math.dist(left[1][:2], right[1][:2]) / 2
-    return {
-        "mass": mass,
-        "inertia": _decimal(inertia),
-        "half_track": _decimal(half_track),
-        "wheel_radius": radii.pop(),
-    }
+    return {**body, "wheel_radius": radii.pop()}
 
 
 def _parse(path: Path) -> Any:
@@ -159,4 +159,5 @@ def _moved(rotation: Any, position: list[float], shift: list[float]) -> list[flo
 
 
 def _decimal(value: float) -> Fraction:
-    return Fraction(round(value * 10**PLACES), 10**PLACES)
+    """The number that a fleet file can hold. Raises ValueError where it is of absurd size."""
+    return exact(decimal_text(Fraction(round(value * 10**PLACES), 10**PLACES)))

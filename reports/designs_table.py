@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 from typing import Any
 
-from ..models.errors import InputError
+from ..models.errors import InputError, one_line
 from ..models.fleet_file import MAX_CSV_BYTES, read_text
 
 HEADINGS = {  # of the columns, in order
@@ -79,7 +79,7 @@ def for_terminal(rows: list[dict[str, Any]]) -> Any:
     for heading in columns.values():
         shown.add_column(heading, justify="right" if len(shown.columns) else "left", no_wrap=True)
     for row in rows:
-        shown.add_row(*(Text(row[key]) for key in columns))
+        shown.add_row(*(Text(one_line(row[key])) for key in columns))
     return shown
 
 

@@ -9,6 +9,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
+from ..models.errors import one_line
 from ..models.excitation import Excitation
 from ..models.files import write_text
 from ..models.fleet import Fleet
@@ -64,7 +65,7 @@ def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
         heading = key.removeprefix("torque_")
         shown.add_column(heading, justify="left" if key == "vehicle" else "right", no_wrap=True)
     for row in table[:most]:
-        shown.add_row(Text(row["vehicle"]), *(f"{float(row[key]):.4g}" for key in COLUMNS[1:]))
+        shown.add_row(Text(one_line(row["vehicle"])), *(f"{float(row[key]):.4g}" for key in COLUMNS[1:]))
     if len(table) > most:
         shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
     return shown

@@ -66,7 +66,7 @@ def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
     return write_text(folder / "report.html", page)
 
 
-_MALFORMED = (KeyError, TypeError, ValueError, AttributeError, IndexError)
+_MALFORMED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, csv.Error)
 
 
 def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[str, Any]:

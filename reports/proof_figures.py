@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from ..models.files import write_whole
 from ..verify.proof.exercise import bang_bang, rising_energy
 
 
 def write(folder: Path) -> list[Path]:
     """witness_energy.svg and witness_bang_bang.svg in a folder; returns their paths."""
-    folder.mkdir(parents=True, exist_ok=True)
     return [_energy(folder / "witness_energy.svg"), _bang_bang(folder / "witness_bang_bang.svg")]
 
 
@@ -50,5 +50,4 @@ def _finish(figure: Any, axes: Any, path: Path, unit: str) -> Path:
     axes.set_xlabel("t, s")
     axes.set_ylabel(unit)
     axes.legend()
-    figure.savefig(path)
-    return path
+    return write_whole(path, lambda file: figure.savefig(file, format="svg"))

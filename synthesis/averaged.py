@@ -12,7 +12,9 @@ slowest mode, and adds the times that the approach and the two exponential chann
 
 from __future__ import annotations
 
+import logging
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -25,18 +27,22 @@ from ..models.excitation import Excitation
 from ..models.graph import Graph
 from ..models.limits import Limits, casadi_numbers
 from .conditions import ConditionSet
-from .rollout import column
+from .rollout import column, first_line
 from .structure import INWARD, Scalars, structured
 
 if TYPE_CHECKING:
     from .design import Task
 
 Floats = NDArray[np.float64]
+LOG = logging.getLogger(__name__)
 
 LARGE = 200  # vehicles; beyond, one local optimum has to do
 MODES = 8  # slowest modes that the program sees of a large fleet
 TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
+SOLVE_SECONDS = 120.0  # of wall clock for IPOPT from one start: a busy machine takes some seconds
 TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
+SLACK = 1e-3  # of a logarithm, by which an optimum may lie outside its bounds
+LARGEST = 50.0  # logarithm of a time in s that can be meant
 STARTS = (
     Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 0.7),
     Scalars(0.05, 0.3, 1.0, 0.05, 0.3, 1.0),
@@ -76,17 +82,24 @@ def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
     """
     optima: list[tuple[Scalars, float]] = []
     large = len(task.fleet) > LARGE
-    for time_constants in TIME_CONSTANTS[1:2] if large else TIME_CONSTANTS:
-        program = AveragedProgram(task, distance=distance, time_constants=time_constants)
-        for start in STARTS:
-            found = program.solve(start)
-            if found and not any(
-                np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima
-            ):
+    try:
+        for found in _found(task, distance, TIME_CONSTANTS[1:2] if large else TIME_CONSTANTS):
+            if not any(np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
                 optima.append(found)
-            if large and optima:
+            if large:
                 break
+    except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
+        LOG.warning("averaged program: broken off: %s", first_line(error))
+    if not optima:
+        LOG.warning("averaged program: left out, because IPOPT reports no optimum")
     return optima
+
+
+def _found(task: Task, distance: float, time_constants: tuple[float, ...]) -> Iterator[tuple[Scalars, float]]:
+    """What IPOPT finds, program after program and start after start."""
+    for constants in time_constants:
+        program = AveragedProgram(task, distance=distance, time_constants=constants)
+        yield from filter(None, map(program.solve, STARTS))
 
 
 class AveragedProgram:
@@ -122,7 +135,7 @@ class AveragedProgram:
             *_conditions(plant, task.limits, task.conditions, scalars),
         ]
         options = {
-            "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-4},
+            "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-4, "max_wall_time": SOLVE_SECONDS},
             "print_time": False,
             "error_on_fail": False,
         }
@@ -132,13 +145,21 @@ class AveragedProgram:
         self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
 
     def solve(self, start: Scalars) -> tuple[Scalars, float] | None:
-        """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one."""
+        """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one.
+
+        What it calls an optimum but lies outside its bounds is none. Raises RuntimeError where IPOPT breaks down or the
+        clock runs out.
+        """
         x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)
         solution = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=math.inf)
-        found = np.asarray(solution["x"]).ravel()
-        if not self._solver.stats()["success"] or not np.isfinite(found).all():
+        stats = self._solver.stats()
+        if stats["return_status"] == "Maximum_WallTime_Exceeded":
+            raise RuntimeError(f"IPOPT found no answer within {SOLVE_SECONDS:g} s")
+        found, value = np.asarray(solution["x"]).ravel(), float(solution["f"])
+        inside = np.all((self._lower - SLACK <= found) & (found <= self._upper + SLACK))  # NaN is not
+        if not stats["success"] or not inside or not abs(value) < LARGEST:
             return None
-        return Scalars.from_logarithms(found[:6]), math.exp(float(solution["f"]))
+        return Scalars.from_logarithms(found[:6]), math.exp(value)
 
 
 class _Flow:

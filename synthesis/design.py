@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+import logging
 import math
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ..models.equations import Plant, State
-from ..models.errors import InfeasibleError, InputError
+from ..models.errors import InfeasibleError, InputError, UndecidedError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet, Links, floats
 from ..models.gains import GAIN_NAMES, Gains
@@ -26,6 +28,7 @@ from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
+FINAL_STARTS = 24  # the same, for the last choice
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 60.0  # of that search at most
@@ -33,6 +36,7 @@ LONGEST = 20_000.0  # s, of a rollout
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
 
+LOG = logging.getLogger(__name__)
 Progress = Callable[[str, float], None]  # what is going on, and the fraction done
 
 
@@ -157,10 +161,9 @@ def design(
     starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
-        from .search import search
-
         limit = time_limit if mode == "best" else FAST_SECONDS
-        finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
+        finalists = _searched(task, ranked, horizon, limit, mode == "fast", executor, progress)
+        starts = task.starts(FINAL_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
     best = ranked[0]
     return Design(
@@ -245,13 +248,34 @@ def _candidates(task: Task) -> tuple[list[Candidate], float]:
     found: list[Candidate] = []
     predicted = []
     for scalars, time in local_optima(task, distance=scale(task.fleet)):
-        found.append(task.candidate("averaged program", scalars))
+        found += _kept(task.candidate, "averaged program", scalars)
         predicted.append(time)
-    found += [task.exactly("convex programs", gains, tempo) for gains, tempo in convex_designs(task)]
+    for gains, tempo in convex_designs(task):
+        found += _kept(task.exactly, "convex programs", gains, tempo)
     if not found:
         found.append(task.candidate("closed form", FALLBACK))
     horizon = (6 if len(task.fleet) <= RANKED_VEHICLES else 2) * min(predicted, default=500.0)
     return found, float(np.clip(horizon, 300.0, LONGEST))
+
+
+def _kept(make: Callable[..., Candidate], origin: str, *solution: Any) -> list[Candidate]:
+    """The candidate of a solution, if it can be rounded within the conditions."""
+    try:
+        return [make(origin, *solution)]
+    except UndecidedError as error:
+        LOG.warning("%s: a candidate is left out: %s", origin, error)
+        return []
+
+
+def _searched(task: Task, ranked: list[Candidate], *options: Any) -> list[Candidate]:
+    """What the search finds; without it, where CMA-ES breaks down, what there was before."""
+    from .search import search
+
+    try:
+        return search(task, ranked, *options)
+    except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
+        LOG.warning("time-domain search: left out: %s: %s", type(error).__name__, error)
+        return ranked
 
 
 def rank(
@@ -290,9 +314,9 @@ def as_json(made: Design, versions: dict[str, str]) -> dict[str, object]:
         "gains": {name: [decimal_text(value) for value in getattr(made.gains, name)] for name in GAIN_NAMES},
         "origin": made.origin,
         "predicted": {
-            "gamma_omega": made.rates.gamma_omega,
-            "gamma_v": made.rates.gamma_v,
-            "kappa": made.rates.kappa,
+            "gamma_omega": _finite(made.rates.gamma_omega),
+            "gamma_v": _finite(made.rates.gamma_v),
+            "kappa": _finite(made.rates.kappa),
             "tail_time_s": _finite(made.rates.tail_time),
         },
         "measured_settling_s": [_finite(time) for time in made.settling],

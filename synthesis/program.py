@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 
 from ..models.elementwise import Elementwise
 from ..models.equations import Plant
+from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Limits, cvxpy_numbers
 from .conditions import ConditionSet
 
 Floats = NDArray[np.float64]
 
+SOLVE_SECONDS = 20.0  # of wall clock for one program
 BISECTIONS = 14  # of ln gamma: 27.6 wide at first, 0.2 % of gamma at last
 
 
@@ -51,7 +53,7 @@ def fastest(channel: Channel, laplacian: Floats, ratio: float = 0.0) -> tuple[fl
 
     The variables 1/p and d/p make C - 2 gamma M >= 0, L_l - gamma C + gamma^2 M >= 0 and the torque linear for a fixed
     gamma. `ratio` asks for d >= ratio p D besides, as (15) and (15') do for a given excitation. None where Clarabel
-    finds no gains that it calls optimal.
+    finds no gains that it calls optimal. Raises UndecidedError where it breaks down.
     """
     low, high, best = 1e-6, 1e6, None
     for _ in range(BISECTIONS):
@@ -79,14 +81,17 @@ def _feasible(channel: Channel, laplacian: Floats, ratio: float, gamma: float) -
             room <= 1,
         ],
     )
-    if not optimal(problem) or room.value < 0 or np.min(M.value) <= 0:
+    if not optimal(problem) or room.value < 0 or min(np.min(M.value), np.min(C.value)) <= 0:
         return None
     p = channel.inertia / M.value
     return p, C.value * p
 
 
 def optimal(problem: Any) -> bool:
-    """Whether Clarabel calls a problem optimal: nothing less is of use."""
+    """Whether Clarabel calls a problem optimal, with numbers for all variables: nothing less is of use.
+
+    Raises UndecidedError where it breaks down or takes too long: that is no answer.
+    """
     import warnings
 
     import cvxpy as cp
@@ -94,16 +99,22 @@ def optimal(problem: Any) -> bool:
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": the status says so too
         try:
-            problem.solve(solver=cp.CLARABEL)
-        except cp.SolverError:
+            problem.solve(solver=cp.CLARABEL, time_limit=SOLVE_SECONDS)
+        except cp.SolverError:  # numerical trouble, as far from the optimum of a bisection
             return False
-    return bool(problem.status == cp.OPTIMAL)
+        except Exception as error:
+            raise UndecidedError(f"Clarabel broke down: {type(error).__name__}: {str(error)[:200]}") from None
+    if problem.status == cp.USER_LIMIT:
+        raise UndecidedError(f"Clarabel found no answer within {SOLVE_SECONDS:g} s")
+    values = [variable.value for variable in problem.variables()]
+    return problem.status == cp.OPTIMAL and all(value is not None and np.isfinite(value).all() for value in values)
 
 
 def nearest(conditions: ConditionSet, limits: Limits, target: Gains) -> Gains | None:
     """The gains within the conditions that are nearest to a target in relative terms: a second-order cone program.
 
     `limits` and `target` are floats. None where Clarabel reports no optimum.
+    Raises UndecidedError where it breaks down.
     """
     import cvxpy as cp
 

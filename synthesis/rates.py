@@ -15,12 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.equations import Plant
+from ..models.errors import UndecidedError
 from ..models.excitation import Excitation
 from ..models.gains import Gains
+from .rollout import Deadline
 
 Floats = NDArray[np.float64]
 
 SWING_PHASES = 65  # points of a period at which the heading's swing is looked at
+TAIL_SECONDS = 60.0  # of wall clock for one tail
 LONGEST_TAIL = 1e7  # s, a tail beyond which counts as never
 
 
@@ -86,7 +89,13 @@ class CrossTrack:
         for w, phasor in excitation.phasors():
             heading = diags_array(gains.p_omega) @ self._L + diags_array(-plant.inertia * w**2 + 1j * w * gains.d_omega)
             track = self._L + diags_array(-M_v * w**2 + 1j * w * C_v)
-            self._tones.append((w, gains.k_alpha * phasor, splu(heading.tocsc()), splu(track.tocsc())))
+            try:
+                self._tones.append((w, gains.k_alpha * phasor, splu(heading.tocsc()), splu(track.tocsc())))
+            except RuntimeError:  # beyond what floating point can tell apart
+                raise UndecidedError(
+                    f"the response to psi at {w:g} rad/s is singular in floating point; "
+                    "are a weight, a limit or a parameter of the fleet of the wrong size?"
+                ) from None
         turns = np.linspace(0, 2 * math.pi, SWING_PHASES) / float(excitation.frequency)
         self._phases = [np.exp(1j * w * turns)[:, None] for w, _ in excitation.phasors()]
 
@@ -110,21 +119,28 @@ class CrossTrack:
     def time_to(self, start: Floats, position: float, heading: float) -> tuple[float, float]:
         """(T, kappa): the time until |y| <= position and swing <= heading everywhere, and the coefficient there.
 
-        kappa is that of d|y|/dt = -kappa |y|^3 for the largest entry; (inf, kappa) where the errors do not fall so far.
+        kappa is that of d|y|/dt = -kappa |y|^3 for the largest entry; (inf, kappa) where the errors do not fall so far
+        by LONGEST_TAIL, or before the clock runs out: then kappa is that of the start.
         """
         from scipy.integrate import solve_ivp
 
         def excess(_: float, y: Floats) -> float:
+            if deadline.passed:
+                raise TimeoutError
             return float(max(np.max(np.abs(y)) / position, np.max(self.swing(y)) / heading)) - 1
 
+        deadline = Deadline(TAIL_SECONDS)
         excess.terminal = True  # type: ignore[attr-defined]
-        run = solve_ivp(
-            lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9
-        )
-        y = run.y[:, -1]
+        try:
+            run = solve_ivp(
+                lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9
+            )
+            y, time = run.y[:, -1], float(run.t[-1]) if run.status == 1 else math.inf
+        except TimeoutError:
+            y, time = start, math.inf
         leading = int(np.argmax(np.abs(y)))
         kappa = float(self.flow(y)[leading] / y[leading] ** 3)
-        return (float(run.t[-1]) if run.status == 1 else math.inf), kappa
+        return time, kappa
 
 
 def rates(plant: Plant, gains: Gains, excitation: Excitation, position: float = 0.1, heading: float = 0.1) -> Rates:

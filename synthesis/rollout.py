@@ -21,6 +21,7 @@ from ..models.ops import casadi_ops, unbounded
 Floats = NDArray[np.float64]
 
 MAX_STEPS = 200_000  # of CVODES between two outputs
+SETTLING_SECONDS = 600.0  # of wall clock for one settling time, looked at after every piece
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
 
 
@@ -61,19 +62,18 @@ class Rollout:
         *columns, begin = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 1])
         state = State(*ca.vertsplit(x, self.vehicles))
         rates = closed_loop(ops, plant.map(column), Gains(*columns), excitation, begin + t, state)
-        self._integrator = ca.integrator(
-            "closed_loop",
-            "cvodes",
-            {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))},
-            0.0,
-            (step * np.arange(1, self.per_piece + 1)).tolist(),
-            {
-                "reltol": reltol,
-                "abstol": abstol,
-                "max_num_steps": MAX_STEPS,
-                "linear_multistep_method": multistep,
-            },
-        )
+        problem = {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))}
+        outputs = (step * np.arange(1, self.per_piece + 1)).tolist()
+        options = {
+            "reltol": reltol,
+            "abstol": abstol,
+            "max_num_steps": MAX_STEPS,
+            "linear_multistep_method": multistep,
+        }
+        try:
+            self._integrator = ca.integrator("closed_loop", "cvodes", problem, 0.0, outputs, options)
+        except RuntimeError as error:
+            raise UndecidedError(f"the integrator cannot be built: {first_line(error)}") from None
 
     def pieces(self, gains: Gains, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
@@ -86,7 +86,7 @@ class Rollout:
             try:
                 solved = self._integrator(x0=x, p=np.concatenate([columns, [begin]]))
             except RuntimeError as error:
-                raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {_first_line(error)}") from None
+                raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {first_line(error)}") from None
             states = np.asarray(solved["xf"])
             if not np.isfinite(states).all():
                 raise UndecidedError(f"the integrator returned numbers that are not finite after t = {begin:g} s")
@@ -111,8 +111,11 @@ class Rollout:
         return np.maximum(position / tolerance.position, heading / tolerance.heading)
 
     def settling(self, gains: Gains, start: State, horizon: float, tolerance: Tolerance) -> Settling:
-        """When the fleet settles from a start. A run that has stayed settled for a whole piece ends there."""
-        last, excess = 0.0, math.inf
+        """When the fleet settles from a start. A run that has stayed settled for a whole piece ends there.
+
+        Raises UndecidedError where CVODES stalls or the clock runs out.
+        """
+        last, excess, deadline = 0.0, math.inf, Deadline(SETTLING_SECONDS)
         for times, states in self.pieces(gains, start):
             ratio = self.excess(states, tolerance)
             excess = float(ratio.max())
@@ -121,6 +124,8 @@ class Rollout:
             end = float(times[-1])
             if last < times[0] - self.step or end >= horizon:
                 break
+            if deadline.passed:
+                raise UndecidedError(f"{SETTLING_SECONDS:g} s of wall clock passed at t = {end:g} s of {horizon:g} s")
         return Settling(last if last < end - self.step else math.inf, excess)
 
 
@@ -159,6 +164,7 @@ def column(values: Any) -> Any:
     return ca.DM(np.asarray(values, dtype=float))
 
 
-def _first_line(error: Exception) -> str:
+def first_line(error: Exception) -> str:
+    """What an error of CasADi says, in one line: it ends with the reason."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     return lines[-1][:200] if lines else "no message"

@@ -21,8 +21,11 @@ def rounded(conditions: ConditionSet, limits: Limits, gains: Gains, digits: int)
 
     All gains are rounded down, which the torque limit survives. Rounding a damping gain down may break a homogeneous
     condition; it is met again by lowering the gains in which its small side is linear. `limits` must be exact.
-    Raises UndecidedError where rounding leaves no gain, because `digits` is too small for the limits.
+    Raises UndecidedError where the gains are not positive numbers, or where rounding leaves none,
+    because `digits` is too small for the limits.
     """
+    if not all(np.all(np.isfinite(column) & (column > 0)) for column in vars(gains).values()):
+        raise UndecidedError("a solver returned gains that are not positive numbers")
     numbers = exact_numbers()
     exact = gains.map(lambda column: floor_digits(column, digits))
     for condition in (conditions.torque, *conditions.homogeneous(limits)):

@@ -6,7 +6,9 @@ import math
 import warnings
 from collections.abc import Sequence
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from .measure import cost, measure_all
 from .rollout import Deadline
@@ -16,13 +18,17 @@ if TYPE_CHECKING:
     from ..models.equations import State
     from .design import Candidate, Progress, Task
 
-TRAINING_STARTS = 12  # fewer are overfitted: THEORY section 3
-GENERATIONS = 80
-SHORT_GENERATIONS = 8  # of mode "fast"
-SHORT_STARTS = 6  # beside the fleet's own
+TRAINING_STARTS = 20  # fewer are overfitted: THEORY section 3
+GENERATIONS = 120
+SHORT_GENERATIONS = 12  # of mode "fast"
+SHORT_STARTS = 8  # beside the fleet's own
+HOPELESS = 2.0  # times the best cost so far: a mean settling time beyond which a candidate is not run to the end
 POPULATION = 12
+HORIZON = 6.0  # times the best cost so far
 SPREAD = 0.35  # of the first generation, in logarithms
-ELITE = 6  # candidates among which separate starts choose
+ELITE = 6  # candidates of a basin among which separate starts choose
+BASINS = 3
+APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
 
 def search(
@@ -36,40 +42,81 @@ def search(
 ) -> list[Candidate]:
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
-    Runs GENERATIONS generations (SHORT_GENERATIONS where `short`) or until the time limit; an interrupt ends it with
-    what it has. For one seed the generations are the same, so that only the clock can change the result.
+    The landscape has many basins: the first BASINS incumbents that differ get SHORT_GENERATIONS generations each, the
+    best of them goes on to GENERATIONS or until the time limit. With `short` the first incumbent is all. An interrupt
+    ends it with what it has. For one seed the generations are the same: only the clock can change the result.
     """
-    import cma
-
-    begin = next((candidate.scalars for candidate in incumbents if candidate.scalars), None)
-    if begin is None:  # only the convex programs found something: there are no scalars to vary
+    begins = _distinct(incumbents)[: 1 if short else BASINS]
+    if not begins:  # only the convex programs found something: there are no scalars to vary
         return list(incumbents)
     starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1)
-    generations = SHORT_GENERATIONS if short else GENERATIONS
     deadline = Deadline(time_limit)
-    elite: list[tuple[float, Candidate]] = []
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of cma, about plotting
-        options = {"seed": task.seed + 1, "popsize": POPULATION, "verbose": -9}
-        strategy = cma.CMAEvolutionStrategy(begin.logarithms(), SPREAD, options)
+    basins = [_Basin(task, begin, starts, horizon, executor) for begin in begins]
     try:
-        for generation in range(generations):
-            if deadline.passed or strategy.stop():
-                break
-            points = strategy.ask()
-            candidates = [task.candidate("time-domain search", Scalars.from_logarithms(point)) for point in points]
-            costs = _costs(task, candidates, starts, horizon, executor)
-            strategy.tell(points, [math.log(value) for value in costs])
-            elite = sorted([*elite, *zip(costs, candidates, strict=True)], key=lambda pair: pair[0])[:ELITE]
-            horizon = min(horizon, 8 * elite[0][0])
-            done = max((generation + 1) / generations, deadline.share)
-            progress(f"searching: {elite[0][0]:.0f} s on the training starts", done)
+        for basin in basins:
+            basin.advance(SHORT_GENERATIONS, deadline, progress)
+        if not short:
+            min(basins, key=lambda basin: basin.best).advance(GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
         progress("interrupted: keeping the best so far", 1.0)
-    return [*(candidate for _, candidate in elite), *incumbents]
+    return [*(found for basin in basins for found in basin.finds()), *incumbents]
 
 
-def _costs(
-    task: Task, candidates: Sequence[Candidate], starts: Sequence[State], horizon: float, executor: Executor | None
-) -> list[float]:
-    return [cost(measured, horizon) for measured in measure_all(task, candidates, starts, horizon, executor)]
+def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
+    """The scalars of the incumbents in their order, but for those within APART of an earlier one."""
+    kept: list[Scalars] = []
+    for scalars in (candidate.scalars for candidate in incumbents if candidate.scalars):
+        if all(np.abs(scalars.logarithms() - other.logarithms()).max() > APART for other in kept):
+            kept.append(scalars)
+    return kept
+
+
+class _Basin:
+    """One run of CMA-ES from its own beginning, and the best that it has met."""
+
+    def __init__(
+        self, task: Task, begin: Scalars, starts: Sequence[State], horizon: float, executor: Executor | None
+    ) -> None:
+        import cma
+
+        self._task, self._starts, self._horizon, self._executor = task, starts, horizon, executor
+        self._elite: list[tuple[float, Candidate]] = []
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of cma, about plotting
+            options = {"seed": task.seed + 1, "popsize": POPULATION, "verbose": -9}
+            self._strategy = cma.CMAEvolutionStrategy(begin.logarithms(), SPREAD, options)
+
+    @property
+    def best(self) -> float:
+        """The least cost so far, s."""
+        return self._elite[0][0] if self._elite else math.inf
+
+    def finds(self) -> list[Candidate]:
+        """The centre of the last generation and the best candidates; none before the first generation."""
+        if not self._elite:
+            return []
+        # The centre owes less to luck than the best: far from the goal the motion is chaotic.
+        return [self._candidate(self._strategy.mean), *(candidate for _, candidate in self._elite)]
+
+    def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
+        """Some generations more, as long as there is time and the strategy has not converged."""
+        for generation in range(generations):
+            if deadline.passed or self._strategy.stop():
+                return
+            self._generation()
+            done = max((generation + 1) / generations, deadline.share)
+            progress(f"searching: {self.best:.0f} s on the training starts", done)
+
+    def _generation(self) -> None:
+        points = self._strategy.ask()
+        candidates = [self._candidate(point) for point in points]
+        hopeless = HOPELESS * self.best
+        measured = measure_all(self._task, candidates, self._starts, self._horizon, self._executor, hopeless)
+        costs = [cost(one, self._horizon) for one in measured]
+        self._strategy.tell(points, [math.log(value) for value in costs])
+        found = [*self._elite, *zip(costs, candidates, strict=True)]
+        self._elite = sorted(found, key=lambda pair: pair[0])[:ELITE]
+        self._horizon = min(self._horizon, HORIZON * self.best)
+
+    def _candidate(self, point: Any) -> Candidate:
+        return self._task.candidate("time-domain search", Scalars.from_logarithms(point))

@@ -13,6 +13,7 @@ from .program import optimal
 from .rounding import decimal_places
 
 SPREAD = 10.0  # a weight may be divided or multiplied by this
+LARGEST = 1.01 * SPREAD  # beyond, a weight is not what was asked for, whatever Clarabel calls it
 BISECTIONS = 12
 DIGITS = 3  # significant digits of a weight
 DENSE_VEHICLES = 150  # beyond, the semidefinite program takes too long
@@ -57,7 +58,11 @@ def _weights(fleet: Fleet, slowest: float) -> tuple[Any, Any] | None:
     for weight, given in ((edge, graph.weight), (leader, graph.leader_weight[led])):
         constraints += [weight >= given / SPREAD, weight <= given * SPREAD]
     problem = cp.Problem(cp.Maximize(room), constraints)
-    return (edge.value, leader.value) if optimal(problem) and room.value >= 0 else None
+    if not optimal(problem) or room.value < 0:
+        return None
+    pairs = ((edge.value, graph.weight), (leader.value, graph.leader_weight[led]))
+    within = all(np.all((weight > given / LARGEST) & (weight < given * LARGEST)) for weight, given in pairs)
+    return (edge.value, leader.value) if within else None
 
 
 def _links(fleet: Fleet, edge: Any, leader: Any) -> Links:

@@ -20,7 +20,7 @@ from gaincert.models.limits import exact_numbers, torque
 from gaincert.models.numbers import Interval
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.tests.certified_fleets import CASES, fleet_of, gains_at, vehicle
-from gaincert.verify import kernel
+from gaincert.verify import kernel, witness
 from gaincert.verify.certificate import Certificate, certify, same_fleet, verify
 from gaincert.verify.notes import broken_cuts
 from hypothesis import given, settings
@@ -71,6 +71,15 @@ def test_the_rates_are_the_spectral_abscissas() -> None:
     rates = paper("paper").content["rates"]
     assert float(rates["gamma_omega"]["rate"]) == pytest.approx(0.0543529142, rel=1e-4)
     assert float(rates["gamma_v"]["rate"]) == pytest.approx(0.0357239954, rel=1e-4)
+
+
+def test_rates_that_the_kernel_refuses_cost_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search for them is in floats; what it overstates is left out, and the rest is certified."""
+    monkeypatch.setattr(witness, "rate", lambda graph, *_: (Fraction(10**6), [1] * graph.vehicles))
+    certificate = paper("paper")
+    assert certificate.valid
+    assert certificate.content["rates"] == {"gamma_omega": None, "gamma_v": None}
+    assert not any("exponent" in fact for fact in certificate.facts)
 
 
 # -- repairs ----------------------------------------------------------------------------------------------------------
@@ -269,6 +278,8 @@ def test_an_unreadable_file_is_an_input_error(tmp_path: Path) -> None:
     path.write_text("{")
     with pytest.raises(InputError, match="not JSON"):
         verify(path)
+    with pytest.raises(InputError, match="not JSON"):
+        Certificate.read(path)
     with pytest.raises(InputError, match="cannot be read"):
         verify(tmp_path / "absent.json")
 
@@ -279,6 +290,14 @@ def test_gains_that_no_certificate_can_state_are_input_errors(value: Fraction) -
     gains.d_v[2] = value
     with pytest.raises(InputError, match="gains: d_v of vehicle 'v3'"):
         certify(paper_fleet(), paper_excitation(), gains, "paper")
+
+
+def test_a_psi_that_no_fleet_file_can_give_is_an_input_error() -> None:
+    with pytest.raises(InputError, match="coefficients carry 1/pi"):
+        certify(paper_fleet(), paper_excitation().derivative(), paper_gains(), "corrected")
+    third = Excitation(Fraction(0), Fraction(1), (Fraction(1, 3),))
+    with pytest.raises(InputError, match="a coefficient = 1/3 is no decimal number"):
+        certify(paper_fleet(), third, paper_gains(), "corrected")
 
 
 def test_too_few_gains_are_an_input_error() -> None:

@@ -1,5 +1,6 @@
 """Designs: within their conditions exactly, rounded as asked, fast as promised."""
 
+import math
 from fractions import Fraction
 
 import numpy as np
@@ -140,7 +141,7 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
     start = fleet.start()
     assert start is not None
     starts = [start, *random_starts(fleet, 4, seed=1234)]
-    measured = measure((fleet.plant(), made, starts, 2 * other_limit, Tolerance()))  # type: ignore[arg-type]
+    measured = measure((fleet.plant(), made, starts, 2 * other_limit, Tolerance(), math.inf))  # type: ignore[arg-type]
     times = [run.time for run in measured.runs]
     assert times[0] < own_limit
     assert max(times) < other_limit

@@ -176,3 +176,8 @@ def test_phasors_add_up_to_psi(psi, psi_of_paper):
 def test_the_table_of_a_fleet_file_says_the_same(content, psi, psi_of_paper):
     for excitation in (psi, psi_of_paper):
         assert parse({**content, "excitation": excitation.table()}).psi == excitation
+
+
+def test_coefficients_with_1_over_pi_are_no_table(psi_of_paper):
+    with pytest.raises(ValueError, match="1/pi"):
+        psi_of_paper.derivative().table()

@@ -4,6 +4,7 @@ import copy
 import csv
 import math
 import string
+import tomllib
 from decimal import Decimal
 from fractions import Fraction
 
@@ -14,6 +15,7 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.fleet_file import dumps, load, parse
 from gaincert.models.numbers import decimal_text, exact
 from gaincert.models.paper import paper_fleet
+from gaincert.models.templates import template_text
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
@@ -636,3 +638,18 @@ def test_a_third_is_no_decimal():
 def test_what_is_no_number(value):
     with pytest.raises(ValueError, match=r"^is not (a number|finite)$"):
         exact(value)
+
+
+# -- templates --------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", ["line", "ring", "turtlebot3"])
+@pytest.mark.parametrize("count", [1, 2, 3, 7])
+def test_a_template_of_any_size_is_a_fleet(kind, count):
+    assert len(parse(tomllib.loads(template_text(kind, count), parse_float=Decimal))) == count
+
+
+def test_the_papers_template_has_the_papers_vehicles():
+    assert parse(tomllib.loads(template_text("paper", 6), parse_float=Decimal)).digest != paper_fleet().digest
+    with pytest.raises(InputError, match="--vehicles 5: the paper's fleet has 6"):
+        template_text("paper", 5)

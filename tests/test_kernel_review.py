@@ -54,6 +54,7 @@ def test_the_rate_of_the_headings_is_claimed_without_the_excitation() -> None:
     assert "where alpha is 0" in line
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("zeros", [19, 29])
 def test_the_work_on_a_bound_near_the_supremum_is_limited(zeros: int) -> None:
     psi = Excitation(Fraction(0), Fraction(1), (*[Fraction(0)] * 199, Fraction(1)))

@@ -43,3 +43,11 @@ def test_the_kernel_imports_the_standard_library_only() -> None:
             assert node.level == 0
             modules.add((node.module or "").split(".")[0])
     assert modules <= sys.stdlib_module_names
+
+
+def test_what_models_exports_is_there_and_nothing_else() -> None:
+    from gaincert import models
+
+    assert [getattr(models, name).__name__ for name in models.__all__] == models.__all__
+    with pytest.raises(AttributeError, match="no attribute 'Robot'"):
+        _ = models.Robot

@@ -151,6 +151,35 @@ def test_a_physical_drive_has_half_the_arm(content, psi):
     assert list(arms["paper"]) == [2 * R for R in half_track]
 
 
+# -- the theorem's own words -------------------------------------------------------------------------------------------
+
+
+def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_omega, k):
+    """Both sides of every condition for one vehicle, typed once more from the theorem."""
+    c = math.sqrt(2) * k * bar * D
+    cone = d_v + math.sqrt(2) * D * math.hypot(p_v, k * bar / arm) + (d_omega + p_omega * D) / arm
+    return {
+        "(15)": (c, d_omega * math.tanh(1)),
+        "(15')": (p_omega * D + c, d_omega),
+        "(16)": (arm * (d_v + math.sqrt(2) * p_v * D) + d_omega + p_omega * D + c, 2 * arm * torque / r),
+        "(16*)": (r / 2 * cone, torque),
+        "speed limit": (math.sqrt(2) * p_v * D, d_v * math.tanh(speed)),
+        "turn rate limit": (p_omega * D + c, d_omega * math.tanh(turn_rate)),
+    }
+
+
+def test_the_conditions_are_those_of_the_theorem(limits, exact_gains):
+    numbers = {field: floats(values) for source in (limits, exact_gains) for field, values in vars(source).items()}
+    bar = float(numbers.pop("psi_bar"))
+    found = [condition(float_numbers(), limits.map(floats), exact_gains.map(floats)) for condition in ALL]
+    names = ("degree", "r", "arm", "torque", "speed", "turn_rate", *GAIN_NAMES)
+    for i, (D, *own) in enumerate(zip(*(numbers[name] for name in names), strict=True)):
+        expected = as_printed(D, bar, *own)
+        assert [sides.source for sides in found] == list(expected)
+        for sides, (small, large) in zip(found, expected.values(), strict=True):
+            assert (sides.small[i], sides.large[i]) == pytest.approx((small, large), rel=1e-13)
+
+
 # -- one law, five algebras -------------------------------------------------------------------------------------------
 
 
@@ -306,14 +335,19 @@ def test_verdicts_flip_at_the_true_threshold(condition, gain, limits, exact_gain
         assert (verdict.holds == holds).all()
 
 
-@pytest.mark.parametrize("text", ["0", "4", "9/16", "2", "1/3", "1e-60", "1e60", "123456789.123456789", "2e-7"])
+ROOTS = ["0", "4", "9/16", "2", "1/3", "1e-60", "1e60", "123456789.123456789", "2e-7", "1.1", "1e90", "1e91", "3e120"]
+
+
+@pytest.mark.parametrize("text", ROOTS)
 def test_roots_are_rounded_up_or_exact(text):
     q = Fraction(text)
     root = sqrt_above(q)
     assert root**2 >= q
+    assert (root * (1 - Fraction(1, 10**40))) ** 2 <= q
     exact = math.isqrt(q.numerator) ** 2 == q.numerator and math.isqrt(q.denominator) ** 2 == q.denominator
     assert (root**2 == q) == exact
-    assert root**2 <= q * (1 + Fraction(1, 10**39))
+    if not exact:  # and in no more digits than that takes
+        assert len(str(root.numerator)) <= max(41, len(str(math.isqrt(q.numerator * q.denominator))))
 
 
 @pytest.mark.parametrize("q", [Fraction(1), Fraction("0.22"), Fraction("1e-9"), Fraction("20"), Fraction(10**60), 0.5])

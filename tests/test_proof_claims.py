@@ -150,6 +150,7 @@ def test_undecided_is_open_and_never_proved():
     assert claim.reason
 
 
+@pytest.mark.slow
 def test_symbolic_part_is_fast_and_independent_of_the_fleet():
     def seconds(count: int) -> float:
         fleet = ring(count)

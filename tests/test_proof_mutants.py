@@ -22,6 +22,7 @@ def test_mutants_of_theory_are_refused_with_a_witness():
     assert all(finding.witness for finding in findings.values())
 
 
+@pytest.mark.slow
 def test_generated_mutants_are_refused():
     mutants = generated()
     different = [m for m in mutants if not m.equivalent]
@@ -40,6 +41,7 @@ def test_true_forms_are_accepted(step):
     assert step.decide().holds is True
 
 
+@pytest.mark.slow
 def test_gains_that_break_15_tenfold_are_accepted():
     gains = paper_gains()
     weak = replace(gains, d_omega=gains.d_omega / 10)

@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from gaincert.models.equations import State, closed_loop
+from gaincert.models.errors import UndecidedError
 from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet, floats
 from gaincert.models.gains import Gains
@@ -60,6 +61,7 @@ def simulated_decay(fleet: Fleet, gains: Gains, y: np.ndarray, periods: int) -> 
     return across[:, :-1].reshape(n, periods, 64).mean(axis=2)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("make", [one_vehicle, paper_fleet])
 def test_the_averaged_flow_is_that_of_the_simulation(make) -> None:
     """Period means of y fall at the averaged rate within 1 %: a ratio of times, taken after transients have died."""
@@ -113,3 +115,13 @@ def test_the_programs_flow_is_the_flow() -> None:
         y = slow.vectors @ direction
         expected = (y * D) @ track.flow(y) * D.sum() / (y @ (D * y)) ** 2
         assert float(flow.decay(direction)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_numbers_beyond_floating_point_are_undecided_and_no_crash() -> None:
+    one = one_vehicle().model_dump(by_alias=True)
+    vehicles = [{**one["vehicle"][0], "name": name} for name in "ab"]
+    graph = {"edges": [["a", "b"]], "leader_links": {"a": "1e-50"}}
+    weak = Fleet.model_validate({**one, "graph": graph, "vehicle": vehicles})
+    psi = Excitation(Fraction(1), Fraction(1), (Fraction(1),))
+    with pytest.raises(UndecidedError, match="the response to psi at 0 rad/s is singular in floating point"):
+        CrossTrack(weak.plant(), Gains(*(np.ones(2) for _ in range(5))), psi)

@@ -5,14 +5,16 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from gaincert.models.paper import paper_fleet
 from gaincert.synthesis import search as search_module
-from gaincert.synthesis.design import design
-from gaincert.synthesis.measure import Measured, cost
-from gaincert.synthesis.rollout import Settling
+from gaincert.synthesis.design import FALLBACK, design, prepare
+from gaincert.synthesis.measure import NEVER, Measured, cost, measure_all
+from gaincert.synthesis.rollout import Settling, Tolerance
 from gaincert.verify.dispatch import local
 
 ROOT = Path(__file__).parent.parent
@@ -60,3 +62,20 @@ def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
     assert cost(good, 100.0) < cost(bad, 100.0)
     endless = Measured(good.runs, [float("inf")])
     assert cost(good, 100.0) < cost(endless, 100.0) < float("inf")
+
+
+def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
+    """What is left out counts as never settled, so that it ranks behind every candidate that was run."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    candidate, starts = task.candidate("here", FALLBACK), task.starts(3, 1)
+    whole = next(measure_all(task, [candidate], starts, 60.0, None))
+    cut = next(measure_all(task, [candidate], starts, 60.0, None, hopeless=1.0))
+    assert cut.runs[0] == whole.runs[0]
+    assert cut.runs[1:] == [NEVER] * 3
+    assert cost(cut, 60.0) > cost(whole, 60.0)
+
+
+def test_the_search_begins_in_basins_that_differ() -> None:
+    near, far = (replace(FALLBACK, e=value) for value in (FALLBACK.e * 1.1, FALLBACK.e * 3))
+    candidates = [SimpleNamespace(scalars=scalars) for scalars in (FALLBACK, None, near, far)]
+    assert search_module._distinct(candidates) == [FALLBACK, far]

@@ -180,6 +180,15 @@ def test_what_the_fleet_file_says_itself_wins(tmp_path):
     assert (vehicle.mass, vehicle.half_track) == (Fraction("8.5"), Fraction("0.25"))
 
 
+def test_robots_with_and_without_a_description_stand_side_by_side(tmp_path):
+    written(tmp_path, ROBOT)
+    numbers = {"mass": 1, "inertia": 2, "half_track": 3, "wheel_radius": 4, "torque_limit": 5, "offset": [1, 0]}
+    mixed = content()
+    mixed["vehicle"].append({"name": "b", **numbers})
+    mixed["graph"]["edges"] = [["a", "b"]]
+    assert [vehicle.mass for vehicle in parse(mixed, tmp_path).vehicles] == [8, 1]
+
+
 def test_a_bad_robot_is_named_beside_the_other_mistakes(tmp_path):
     written(tmp_path, "<robot/>")
     with pytest.raises(InputError) as caught:
@@ -241,6 +250,12 @@ def test_no_entity_is_expanded_not_even_a_harmless_one(tmp_path):
 def test_what_is_no_differential_drive_is_refused(old, new, says, tmp_path):
     assert old in ROBOT
     assert says in refusal(tmp_path, ROBOT.replace(old, new, 1))
+
+
+def test_a_wheel_that_is_no_link_has_no_radius(tmp_path):
+    text = ROBOT.replace('<child link="left"/>', '<child link="hub"/>')
+    text = text.replace('<parent link="base"/><child link="sensor"/>', '<parent link="hub"/><child link="sensor"/>')
+    assert "there is no link 'hub'" in refusal(tmp_path, text)
 
 
 def test_a_chain_of_links_without_end_is_refused(tmp_path):

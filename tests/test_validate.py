@@ -211,6 +211,7 @@ def test_a_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert json.loads(again.stdout)["same"] is True
 
 
+@pytest.mark.slow
 def test_a_starts_file_and_its_mistakes(tmp_path: Path) -> None:
     gains = fast_gains(tmp_path)
     rows = ["start,vehicle,x,y,theta,v,omega"] + [f"a,v{i},{i},0,0,0,0" for i in range(1, 7)]

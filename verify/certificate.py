@@ -15,7 +15,7 @@ import numpy as np
 from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.files import write_text
-from ..models.fleet import Fleet, Harmonics, Links, SquareWave, column, digest_of, floats
+from ..models.fleet import Fleet, Links, column, digest_of, floats
 from ..models.fleet_file import read_text
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
@@ -149,15 +149,13 @@ def same_fleet(certificate: Certificate, fleet: Fleet) -> bool:
     return bool(certificate.content["digest"] == fleet.digest)
 
 
-def excitation_table(psi: Excitation) -> SquareWave | Harmonics:
-    """psi as the table of a fleet file that gives it."""
-    if psi.terms is not None:
-        return SquareWave(family="square-wave", mean=psi.mean, terms=psi.terms, frequency=psi.frequency)
-    if psi.over_pi:
+def excitation_table(psi: Excitation) -> dict[str, Any]:
+    """psi as the table of a fleet file that gives it. Raises InputError where none does that the kernel reads."""
+    if psi.terms is None and psi.over_pi:
         raise InputError("excitation: its coefficients carry 1/pi and no table of a fleet file says so; use decimals")
-    for number in (psi.mean, psi.frequency, *psi.sin, *psi.cos):
+    for number in (psi.mean, psi.frequency, *psi.sin, *psi.cos) if psi.terms is None else ():
         _decimal(number, "excitation: a coefficient")
-    return Harmonics(family="harmonics", mean=psi.mean, frequency=psi.frequency, sin=psi.sin, cos=psi.cos)
+    return psi.table()
 
 
 def _decimal(number: Any, name: str) -> str:
@@ -199,7 +197,7 @@ def _designed(fleet: Fleet, excitation: Excitation, links: Links | None) -> dict
     """What is used in place of what the fleet file says: psi, links or neither."""
     designed = {}
     if fleet.psi != excitation:
-        designed["excitation"] = excitation_table(excitation).model_dump(mode="json")
+        designed["excitation"] = excitation_table(excitation)
     if links is not None and links != fleet.links:
         designed["graph"] = links.model_dump(mode="json")
     return designed

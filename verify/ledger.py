@@ -25,13 +25,17 @@ class Ledger:
             folder.mkdir(parents=True, exist_ok=True)
             whole = self._read(question)
             # Only this process writes here, and one line at a time.
-            self._file = self.path.open("r+b" if whole else "wb")
+            self._file = self.path.open("r+b" if whole else "wb", buffering=0)
             self._file.truncate(whole)
             self._file.seek(whole)
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written: {error.strerror}; choose another folder") from None
         if not whole:
-            self._line(question)
+            try:
+                self._line(question)
+            except InputError:
+                self.path.unlink()
+                raise
 
     def _read(self, question: dict[str, Any]) -> int:
         """Take over the finished lines; the number of bytes that they fill."""
@@ -55,8 +59,14 @@ class Ledger:
         self._line(result)
 
     def _line(self, content: dict[str, Any]) -> None:
-        self._file.write(json.dumps(content, allow_nan=False).encode() + b"\n")
-        self._file.flush()  # what a killed process has flushed stays; a power cut may cost some starts
+        left = json.dumps(content, allow_nan=False).encode() + b"\n"
+        try:
+            while left:  # not buffered: what a killed process has written stays; a power cut may cost some starts
+                left = left[self._file.write(left) :]
+        except OSError as error:
+            raise InputError(
+                f"{self.path}: cannot be written: {error.strerror}; free some space and run again: it goes on from here"
+            ) from None
 
     def __enter__(self) -> Ledger:
         return self
