@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/paper
 
-.PHONY: demo test check bench fuzz docs clean
+.PHONY: demo test check bench fuzz docs lock clean
 
 demo: $(VENV)/base
 	$(BIN)/gaincert run examples/paper.toml -o $(OUT)
@@ -31,6 +31,10 @@ docs: $(VENV)/docs
 	mkdir -p build/types && ln -sfn ../.. build/types/gaincert
 	$(BIN)/mkdocs build --strict --quiet
 	@echo "open build/docs/index.html"
+
+lock: $(VENV)/test $(VENV)/dev $(VENV)/docs
+	echo "# What CI installs: every package at one version. Written by 'make lock' from the environment of the other targets." > requirements.lock
+	$(BIN)/python -m pip freeze --exclude-editable | grep -v ^atheris >> requirements.lock
 
 clean:
 	rm -rf $(VENV) build out
