@@ -153,11 +153,13 @@ class Bench:
     def round(self, name: str, fault: Fault, share: float) -> Round:
         """One fault at a share (0 to 1) of the time that it can reach somebody, and a rerun."""
         usual = self.undisturbed(name)
-        begin, end = usual.workers if fault.whom == "worker" else (0.3, usual.seconds)
+        moment = (
+            share * (usual.workers[1] - usual.workers[0]) if fault.whom == "worker" else 0.3 + share * usual.seconds
+        )
         folder = Path(tempfile.mkdtemp(dir=self.place))
         found = Round()
         process = start(self.command(name, folder))
-        victims = wait_for(process, fault.whom, begin + share * (end - begin))
+        victims = wait_for(process, fault.whom, moment)
         session = members(process.pid)
         for victim in victims:
             found.hit |= send(victim, fault.signal)
@@ -212,7 +214,9 @@ def line_of(pid: int) -> str:
 
 
 def wait_for(process: subprocess.Popen[str], whom: str, moment: float) -> list[int]:
-    """Wait for the moment (s), and for a worker if one is wanted; who is to be hit."""
+    """Wait for the moment (s), counted from the first worker if one is wanted; who is to be hit."""
+    while whom == "worker" and process.poll() is None and not workers(process.pid):
+        time.sleep(POLL)
     end = time.monotonic() + moment
     while process.poll() is None:
         if time.monotonic() >= end:

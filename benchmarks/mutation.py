@@ -4,9 +4,8 @@ A mutant is one module with one small change. The fast tests of that module must
 survives: a law that no test states, or a change that alters nothing (`ARGUED` says why). Exit code 1 where a survivor
 is not argued, or where an argument is about a mutant that does not survive any more.
 
-Not mutated: docstrings, annotations, decorators, texts with a blank in them, f-strings, the arguments of exceptions and
-of refusals, `zip(strict=)` and blocks under `if __name__ == "__main__"`. Tests that read the module's source or start
-a process of their own see no mutant and are left out. hypothesis draws the same examples in every run.
+`mutants.py` says what is changed and what is not. Tests that read the module's source or start a process of their own
+see no mutant and are left out. hypothesis draws the same examples in every run.
 
 One process imports and collects the tests once and forks for every mutant: the change is put into the code of the
 functions that are loaded already. A change outside a function takes a process that imports everything anew.
@@ -16,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import copy
 import gc
 import importlib
 import json
@@ -28,13 +26,14 @@ import sys
 import tempfile
 import time
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from functools import partial
 from importlib.machinery import SourceFileLoader
 from pathlib import Path
 from types import CodeType, FunctionType, ModuleType
 from typing import Any, NamedTuple
+
+from gaincert.benchmarks.mutants import Mutant, mutants
 
 ROOT = Path(__file__).resolve().parent.parent
 MEMORY = 6 * 2**30  # bytes of address space of a mutant
@@ -55,163 +54,73 @@ TARGETS = {
     "energy": Target("models.energy", ("test_equations.py",)),
     "kernel": Target(
         "verify.kernel",
-        ("test_kernel.py", "test_kernel_review.py", "test_certificate_mutations.py"),
-        "it_imports or it_has or every_division or every_function or runs_alone or the_work_on or flat_topped",
+        ("test_kernel.py", "test_kernel_review.py"),
+        "it_imports or it_has or every_division or every_function or runs_alone or flat_topped",
     ),
 }
 
 # What survives and why it may: (module, function, change): reason.
-ARGUED: dict[tuple[str, str, str], str] = {}
-
-
-# -- mutants ----------------------------------------------------------------------------------------------------------
-
-COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
-    ast.Lt: (ast.LtE, ast.GtE),
-    ast.LtE: (ast.Lt, ast.Gt),
-    ast.Gt: (ast.GtE, ast.LtE),
-    ast.GtE: (ast.Gt, ast.Lt),
-    ast.Eq: (ast.NotEq,),
-    ast.NotEq: (ast.Eq,),
-    ast.Is: (ast.IsNot,),
-    ast.IsNot: (ast.Is,),
-    ast.In: (ast.NotIn,),
-    ast.NotIn: (ast.In,),
+ONE_NUMBER = "the same number"
+WORK = "a bound of the work, not of the truth: any near it serves"
+SHOWN = "for people to read: more digits than are shown"
+FINER = "finer, or coarser by as little: the enclosure holds all the same"
+DIGITS = "30 + len(str(square.denominator)) - len(str(square.numerator))"
+ARGUED: dict[tuple[str, str, str], str] = {
+    ("limits", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 1000001.0"): "any number beyond all N and N m serves",
+    ("limits", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 999999.0"): "any number beyond all N and N m serves",
+    ("limits", "casadi_numbers", "ca.DM(endless(ca.DM(q).full())) -> endless(ca.DM(q).full())"): (
+        "CasADi multiplies by a NumPy column as by its own"
+    ),
+    ("limits", "tanh_below", "4 * ENCLOSURE_DIGITS -> 5 * ENCLOSURE_DIGITS"): FINER,
+    ("kernel", "", "5 * 10 ** 6 -> 6 * 10 ** 6"): WORK,
+    ("kernel", "", "5 * 10 ** 6 -> 4 * 10 ** 6"): WORK,
+    ("kernel", "", "10 ** 6 -> 11 ** 6"): WORK,
+    ("kernel", "", "10 ** 6 -> 9 ** 6"): WORK,
+    ("kernel", "", "10 ** 6 -> 10 ** 7"): WORK,
+    ("kernel", "", "10 ** 6 -> 10 ** 5"): "the test of a flat-topped psi, left out here for its time, fails on it",
+    ("kernel", "", "WIDE = 40000 -> WIDE = 40001"): WORK,
+    ("kernel", "", "WIDE = 40000 -> WIDE = 39999"): WORK,
+    ("kernel", "read_claims", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "read_psi", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "_arctan_of_inverse", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "excited", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "damping", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "damping", "Fraction(1) -> 1"): ONE_NUMBER,
+    ("kernel", "speed", "Fraction(0) -> 0"): ONE_NUMBER,
+    ("kernel", "psi_bounded", "Fraction(1) -> 1"): ONE_NUMBER,
+    ("kernel", "_bounded_on_half", "Fraction(1) -> 1"): ONE_NUMBER,
+    ("kernel", "tanh_below", "Fraction(100) -> 100"): ONE_NUMBER,
+    ("kernel", "read_graph", "i < j -> i <= j"): "i = j is refused in the next line",
+    ("kernel", "read_graph", "i < j -> i >= j"): "either order of a pair tells it from others",
+    ("kernel", "tanh_below", "Fraction(100) -> Fraction(101)"): "tanh grows: its value at any smaller q is a bound",
+    ("kernel", "tanh_below", "Fraction(100) -> Fraction(99)"): "tanh grows: its value at any smaller q is a bound",
+    ("kernel", "tanh_below", "10 ** 100 -> 11 ** 100"): FINER,
+    ("kernel", "tanh_below", "10 ** 100 -> 9 ** 100"): FINER,
+    ("kernel", "tanh_below", "10 ** 100 -> 10 ** 101"): FINER,
+    ("kernel", "tanh_below", "10 ** 100 -> 10 ** 99"): FINER,
+    ("kernel", "shown", "Decimal(q.numerator) -> q.numerator"): ONE_NUMBER,
+    ("kernel", "shown", "Decimal(q.denominator) -> q.denominator"): ONE_NUMBER,
+    ("kernel", "connected", "claims.led.get(vehicle, 0) -> claims.led.get(vehicle, -1)"): "neither is > 0",
+    ("kernel", "psi_bounded", "(0, 1) -> (0, 2)"): "whether it is 0 is all that is asked of half_turn",
+    ("kernel", "psi_bounded", "pis[0] -> pis[-1]"): SHOWN,
+    (
+        "kernel",
+        "_bounded_on_half.slack",
+        "least < 0 -> least < -1",
+    ): "an arc whose end has -1 is never settled: refused",
+    ("kernel", "_bounded_on_half", "min(left, right) >= 1 << 199 - 2 * k -> min(left, right) > 1 << 199 - 2 * k"): (
+        "equality, of numbers rounded down to 2^-200, costs one arc more"
+    ),
+    ("kernel", "_bounded_on_half", "k > 90 -> k >= 90"): WORK,
+    ("kernel", "_bounded_on_half", "k > 90 -> k > 91"): WORK,
+    ("kernel", "_bounded_on_half", "k > 90 -> k > 89"): WORK,
+    ("kernel", "_root", f"max(30, {DIGITS}) -> max(31, {DIGITS})"): SHOWN,
+    ("kernel", "_root", f"max(30, {DIGITS}) -> max(29, {DIGITS})"): SHOWN,
+    ("kernel", "_root", f"{DIGITS} -> {DIGITS.replace(' - ', ' + ')}"): SHOWN,
+    ("kernel", "_root", "30 + len(str(square.denominator)) -> 31 + len(str(square.denominator))"): SHOWN,
+    ("kernel", "_root", "30 + len(str(square.denominator)) -> 29 + len(str(square.denominator))"): SHOWN,
+    ("kernel", "check", "MAX_BYTES + 1 -> MAX_BYTES + 2"): "one byte too many is refused as two are",
 }
-ARITHMETIC: dict[type[ast.operator], type[ast.operator]] = {
-    ast.Add: ast.Sub,
-    ast.Sub: ast.Add,
-    ast.Mult: ast.Div,
-    ast.Div: ast.Mult,
-    ast.FloorDiv: ast.Mult,
-    ast.Mod: ast.Mult,
-    ast.Pow: ast.Mult,
-    ast.LShift: ast.RShift,
-    ast.RShift: ast.LShift,
-    ast.BitOr: ast.BitAnd,
-    ast.BitAnd: ast.BitOr,
-}
-NAMES = {"min": "max", "max": "min", "any": "all", "all": "any", "floor": "ceil", "lower": "upper"}
-REFUSALS = {"unreadable", "FalseError", "UnreadableError", "InputError", "_no_number"}  # their arguments are messages
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """One node in place of another."""
-
-    parent: ast.AST
-    field: str
-    place: int | None  # where the field is a list
-    new: ast.AST
-    function: str  # the one around it that stands at the top or in a class; "" outside any
-    inside: bool  # whether it is part of that function's code: no default of an argument or of a field
-    line: int
-    change: str
-
-    def apply(self) -> None:
-        """Put the new node into the tree, for good."""
-        if self.place is None:
-            setattr(self.parent, self.field, self.new)
-        else:
-            getattr(self.parent, self.field)[self.place] = self.new
-
-
-def mutants(tree: ast.Module) -> list[Mutant]:
-    """Every mutant of a module, in the order of its lines."""
-    return sorted(_below(tree, "", inside=False), key=lambda mutant: mutant.line)
-
-
-def _below(parent: ast.AST, function: str, *, inside: bool) -> Iterator[Mutant]:
-    for field, place, node in _children(parent):
-        own, within = function, inside or (isinstance(parent, ast.FunctionDef) and field == "body")
-        if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not inside:
-            own = f"{function}.{node.name}" if function else node.name
-        for new in _others(node, condition=field in ("test", "ifs")):
-            ast.fix_missing_locations(ast.copy_location(new, node))
-            change = f"{_shown(node)} -> {_shown(new)}"
-            yield Mutant(parent, field, place, new, own, within, getattr(node, "lineno", 0), change)
-        yield from _below(node, own, inside=within)
-
-
-def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:
-    """The nodes below one that are code: what is left out is in the docstring of this module."""
-    for field, value in ast.iter_fields(parent):
-        if field in ("annotation", "returns", "decorator_list") or isinstance(parent, ast.JoinedStr):
-            continue
-        if field == "args" and isinstance(parent, ast.Call) and _name(parent.func) in REFUSALS:
-            continue
-        entries: Iterable[Any] = enumerate(value) if isinstance(value, list) else [(None, value)]
-        for place, node in entries:
-            if isinstance(node, ast.AST) and not _left_out(parent, node):
-                yield field, place, node
-
-
-def _left_out(parent: ast.AST, node: ast.AST) -> bool:
-    docstring = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
-    program = isinstance(node, ast.If) and "__name__" in ast.unparse(node.test)
-    lengths = isinstance(node, ast.keyword) and node.arg == "strict" and _name(getattr(parent, "func", None)) == "zip"
-    typing = isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING"
-    return docstring or program or lengths or typing or isinstance(node, (ast.Import, ast.ImportFrom))
-
-
-def _name(node: ast.AST | None) -> str:
-    return node.id if isinstance(node, ast.Name) else node.attr if isinstance(node, ast.Attribute) else ""
-
-
-def _shown(node: ast.AST) -> str:
-    return " ".join(ast.unparse(node).split()) if not isinstance(node, ast.Pass) else "nothing"
-
-
-def _with(node: ast.AST, **changed: Any) -> Any:
-    new = copy.copy(node)
-    for field, value in changed.items():
-        setattr(new, field, value)
-    return new
-
-
-def _others(node: ast.AST, *, condition: bool) -> Iterator[ast.AST]:
-    """What may stand in place of a node."""
-    if condition and isinstance(node, ast.expr) and not isinstance(node, (ast.Compare, ast.UnaryOp)):
-        yield ast.UnaryOp(ast.Not(), node)
-    match node:
-        case ast.Compare():
-            for place, operator in enumerate(node.ops):
-                for other in COMPARISONS[type(operator)]:
-                    yield _with(node, ops=[*node.ops[:place], other(), *node.ops[place + 1 :]])
-        case ast.BinOp() | ast.AugAssign() if type(node.op) in ARITHMETIC:
-            yield _with(node, op=ARITHMETIC[type(node.op)]())
-        case ast.BoolOp():
-            yield _with(node, op=ast.And() if isinstance(node.op, ast.Or) else ast.Or())
-        case ast.UnaryOp(op=ast.USub() | ast.Not()):
-            yield node.operand
-        case ast.Constant():
-            yield from map(ast.Constant, _other_constants(node.value))
-        case ast.Name(id=name) if name in NAMES:
-            yield _with(node, id=NAMES[name])
-        case ast.Attribute(attr=name) if name in NAMES:
-            yield _with(node, attr=NAMES[name])
-        case ast.Call(args=[ast.expr() as argument], keywords=[]) if not isinstance(argument, ast.Starred):
-            yield argument
-        case ast.Return() if node.value is not None and not _is_none(node.value):
-            yield ast.Return(ast.Constant(None))
-        case ast.Expr(value=ast.Call()) | ast.Raise() | ast.Continue() | ast.Break():
-            yield ast.Pass()
-    if isinstance(node, ast.AugAssign):
-        yield ast.Pass()
-
-
-def _is_none(node: ast.AST) -> bool:
-    return isinstance(node, ast.Constant) and node.value is None
-
-
-def _other_constants(value: Any) -> list[Any]:
-    if isinstance(value, bool):
-        return [not value]
-    if isinstance(value, (int, float)):
-        return [value + 1, value - 1]
-    if isinstance(value, str) and " " not in value:
-        return [value + "X"]
-    return []
 
 
 # -- a mutant at work -------------------------------------------------------------------------------------------------
@@ -274,7 +183,7 @@ def outcome(work: Callable[[], bool], seconds: float) -> str:
 class ForEachMutant:
     """A pytest plugin that runs the collected tests once as they are, then once for each mutant, in forks."""
 
-    def __init__(self, name: str, tree: ast.Module, chosen: list[Mutant], report: Callable[[Any], None]) -> None:
+    def __init__(self, name: str, tree: ast.Module, chosen: list[Mutant], report: Callable[[Any], Any]) -> None:
         self.name, self.tree, self.chosen, self.report = name, tree, chosen, report
         self.failed = mmap.mmap(-1, 4)  # shared with the forks: which test has failed
 
@@ -342,41 +251,32 @@ def anew(target: Target, name: str, tree: ast.Module, mutant: Mutant, folder: st
     return run_pytest(target, folder)
 
 
-def outcomes(target: Target, tree: ast.Module, found: list[Mutant], said: Callable[[str], None]) -> list[str]:
-    """What becomes of each mutant."""
+def outcomes(target: Target, tree: ast.Module, found: list[Mutant]) -> Iterator[tuple[Mutant, str]]:
+    """What becomes of each mutant, as it is known."""
     name = f"gaincert.{target.module}"
     inside, outside = ([mutant for mutant in found if mutant.inside == kind] for kind in (True, False))
-    results: dict[int, str] = {}
     with tempfile.TemporaryDirectory() as folder:
-        limit, *words = _from_child(
-            lambda report: run_pytest(target, folder, ForEachMutant(name, tree, inside, report)), said
-        )
-        assert len(words) == len(inside), f"the tests of {name} could not be run"
-        results |= {id(mutant): word for mutant, word in zip(inside, words, strict=True)}
+        words = _from_child(lambda report: run_pytest(target, folder, ForEachMutant(name, tree, inside, report)))
+        limit = next(words)
+        yield from zip(inside, words, strict=True)
         for mutant in outside:
-            results[id(mutant)] = outcome(partial(anew, target, name, tree, mutant, folder), limit + 60)
-            said(results[id(mutant)])
-    return [results[id(mutant)] for mutant in found]
+            yield mutant, outcome(partial(anew, target, name, tree, mutant, folder), limit + 60)
 
 
-def _from_child(work: Callable[[Callable[[Any], None]], Any], said: Callable[[str], None]) -> list[Any]:
+def _from_child(work: Callable[[Callable[[Any], Any]], Any]) -> Iterator[Any]:
     """What `work`, in a process of its own, reports: so that nothing that it imports stays here."""
     receive, send = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(receive)
         try:
-            work(lambda word: os.write(send, json.dumps(word).encode() + b"\n") and None)
+            work(lambda word: os.write(send, json.dumps(word).encode() + b"\n"))
         finally:
             os._exit(0)
     os.close(send)
-    words = []
     with os.fdopen(receive) as lines:
-        for line in lines:
-            words.append(json.loads(line))
-            said(str(words[-1]))
+        yield from map(json.loads, lines)
     os.waitpid(child, 0)
-    return words
 
 
 # -- the table --------------------------------------------------------------------------------------------------------
@@ -388,18 +288,17 @@ def measure(key: str) -> tuple[str, list[tuple[Mutant, str]]]:
     path = ROOT / (target.module.replace(".", "/") + ".py")
     tree = ast.parse(path.read_text())
     found = mutants(tree)
-    heard: list[str] = []
-
-    def said(word: str) -> None:
-        heard.append(word)
-        if sys.stderr.isatty():
-            sys.stderr.write(f"\r{key}: {len(heard)} of {len(found)}, {heard.count(SURVIVED)} survive ")
-
+    counts: Counter[str] = Counter()
+    survivors = []
     begin = time.monotonic()
-    words = outcomes(target, tree, found, said)
-    counts = " | ".join(str(words.count(word)) for word in (KILLED, TIMED_OUT, SURVIVED))
-    row = f"| `{path.relative_to(ROOT)}` | {len(found)} | {counts} | {time.monotonic() - begin:.0f} s |"
-    survivors = [mutant for mutant, word in zip(found, words, strict=True) if word == SURVIVED]
+    for mutant, word in outcomes(target, tree, found):
+        counts[word] += 1
+        if word == SURVIVED:
+            survivors.append(mutant)
+            sys.stderr.write(f"{key}, {counts.total()} of {len(found)}: {mutant.line}: {mutant.change} survives\n")
+    words = " | ".join(str(counts[word]) for word in (KILLED, TIMED_OUT, SURVIVED))
+    row = f"| `{path.relative_to(ROOT)}` | {len(found)} | {words} | {time.monotonic() - begin:.0f} s |"
+    survivors.sort(key=lambda mutant: mutant.line)
     return row, [(mutant, ARGUED.get((key, mutant.function, mutant.change), "")) for mutant in survivors]
 
 

@@ -161,8 +161,10 @@ def design(
     starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
+        from .search import search
+
         limit = time_limit if mode == "best" else FAST_SECONDS
-        finalists = _searched(task, ranked, horizon, limit, mode == "fast", executor, progress)
+        finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
         starts = task.starts(FINAL_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
     best = ranked[0]
@@ -265,17 +267,6 @@ def _kept(make: Callable[..., Candidate], origin: str, *solution: Any) -> list[C
     except UndecidedError as error:
         LOG.warning("%s: a candidate is left out: %s", origin, error)
         return []
-
-
-def _searched(task: Task, ranked: list[Candidate], *options: Any) -> list[Candidate]:
-    """What the search finds; without it, where CMA-ES breaks down, what there was before."""
-    from .search import search
-
-    try:
-        return search(task, ranked, *options)
-    except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
-        LOG.warning("time-domain search: left out: %s: %s", type(error).__name__, error)
-        return ranked
 
 
 def rank(

@@ -58,7 +58,7 @@ def measure_all(
     try:
         yield from executor.map(measure, jobs) if executor else map(measure, jobs)
     except BrokenExecutor:
-        raise UndecidedError("design: a worker process died; run the same command again") from None
+        raise UndecidedError("design: a worker process died or took too long; run the same command again") from None
 
 
 def measure(job: Job) -> Measured:
@@ -91,7 +91,7 @@ def _tails(plant: Plant, gains: Gains, excitation: Excitation, tolerance: Tolera
 def cost(measured: Measured, horizon: float) -> float:
     """Mean settling time with a share of the worst, and a share of the same of the tails, s."""
     times = [_counted(run.time, run.excess, horizon) for run in measured.runs]
-    tails = [min(tail, LONGEST_TAIL) for tail in measured.tails]
+    tails = [tail if tail < LONGEST_TAIL else LONGEST_TAIL for tail in measured.tails]  # nan counts as the longest
     return _mean_and_worst(times) + TAIL_SHARE * _mean_and_worst(tails)
 
 

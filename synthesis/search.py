@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import math
 import warnings
 from collections.abc import Sequence
@@ -10,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ..models.errors import UndecidedError
 from .measure import cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
@@ -17,6 +19,8 @@ from .structure import Scalars
 if TYPE_CHECKING:
     from ..models.equations import State
     from .design import Candidate, Progress, Task
+
+LOG = logging.getLogger(__name__)
 
 TRAINING_STARTS = 20  # fewer are overfitted: THEORY section 3
 GENERATIONS = 120
@@ -28,6 +32,7 @@ HORIZON = 6.0  # times the best cost so far
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 6  # candidates of a basin among which separate starts choose
 BASINS = 3
+USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
 
@@ -47,18 +52,20 @@ def search(
     ends it with what it has. For one seed the generations are the same: only the clock can change the result.
     """
     begins = _distinct(incumbents)[: 1 if short else BASINS]
-    if not begins:  # only the convex programs found something: there are no scalars to vary
-        return list(incumbents)
     starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1)
-    deadline = Deadline(time_limit)
-    basins = [_Basin(task, begin, starts, horizon, executor) for begin in begins]
+    deadline, basins = Deadline(time_limit), []
     try:
-        for basin in basins:
-            basin.advance(SHORT_GENERATIONS, deadline, progress)
-        if not short:
+        for begin in begins:  # none where only the convex programs found something: there are no scalars to vary
+            basins.append(_Basin(task, begin, starts, horizon, executor))
+            basins[-1].advance(SHORT_GENERATIONS, deadline, progress)
+        if basins and not short:
             min(basins, key=lambda basin: basin.best).advance(GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
-        progress("interrupted: keeping the best so far", 1.0)
+        if short:
+            raise
+        LOG.warning("time-domain search: interrupted; the best so far is kept")
+    except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
+        LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
     return [*(found for basin in basins for found in basin.finds()), *incumbents]
 
 
@@ -93,10 +100,9 @@ class _Basin:
 
     def finds(self) -> list[Candidate]:
         """The centre of the last generation and the best candidates; none before the first generation."""
-        if not self._elite:
-            return []
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
-        return [self._candidate(self._strategy.mean), *(candidate for _, candidate in self._elite)]
+        centre = self._candidate(self._strategy.mean) if self._elite else None
+        return [*([centre] if centre else []), *(candidate for _, candidate in self._elite)]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
         """Some generations more, as long as there is time and the strategy has not converged."""
@@ -109,14 +115,20 @@ class _Basin:
 
     def _generation(self) -> None:
         points = self._strategy.ask()
-        candidates = [self._candidate(point) for point in points]
+        candidates = {k: found for k, point in enumerate(points) if (found := self._candidate(point))}
         hopeless = HOPELESS * self.best
-        measured = measure_all(self._task, candidates, self._starts, self._horizon, self._executor, hopeless)
-        costs = [cost(one, self._horizon) for one in measured]
-        self._strategy.tell(points, [math.log(value) for value in costs])
-        found = [*self._elite, *zip(costs, candidates, strict=True)]
-        self._elite = sorted(found, key=lambda pair: pair[0])[:ELITE]
+        measured = measure_all(
+            self._task, list(candidates.values()), self._starts, self._horizon, self._executor, hopeless
+        )
+        costs = {k: cost(one, self._horizon) for k, one in zip(candidates, measured, strict=True)}
+        self._strategy.tell(points, [math.log(costs.get(k, USELESS)) for k in range(len(points))])
+        met = [*self._elite, *((costs[k], candidate) for k, candidate in candidates.items())]
+        self._elite = sorted(met, key=lambda pair: pair[0])[:ELITE]
         self._horizon = min(self._horizon, HORIZON * self.best)
 
-    def _candidate(self, point: Any) -> Candidate:
-        return self._task.candidate("time-domain search", Scalars.from_logarithms(point))
+    def _candidate(self, point: Any) -> Candidate | None:
+        """The candidate at a point of the search, None where rounding leaves no gains."""
+        try:
+            return self._task.candidate("time-domain search", Scalars.from_logarithms(point))
+        except UndecidedError:
+            return None

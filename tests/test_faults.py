@@ -261,9 +261,50 @@ def test_without_cma_the_programs_candidates_are_ranked(
     monkeypatch.setattr(cma, "CMAEvolutionStrategy", broken)
     task = task_of(fleet)
     candidates = [task.candidate("here", design_module.FALLBACK)]
-    found = design_module._searched(task, candidates, 100.0, 10.0, True, None, lambda *_: None)
+    found = search_module.search(task, candidates, 100.0, 10.0, True, None, lambda *_: None)
     assert found == candidates
-    assert f"time-domain search: left out: {kind.__name__}: it broke down" in caplog.text
+    assert f"time-domain search: broken off: {kind.__name__}: it broke down" in caplog.text
+
+
+def test_what_cma_has_found_is_kept_where_it_breaks_down(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    told, whole = [], cma.CMAEvolutionStrategy.tell
+
+    def tell_once(strategy: Any, points: Any, values: Any) -> None:
+        told.append(min(values))
+        if len(told) > 1:
+            raise ValueError("it broke down")
+        whole(strategy, points, values)
+
+    monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", tell_once)
+    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
+    task = task_of(fleet)
+    incumbents = [task.candidate("here", design_module.FALLBACK)]
+    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    assert len(found) > len(incumbents)
+    assert found[-1:] == incumbents
+    assert "time-domain search: broken off: ValueError: it broke down" in caplog.text
+
+
+@pytest.mark.parametrize("failing", [1, 10_000])
+def test_scalars_that_leave_no_gains_are_of_no_use_and_end_nothing(
+    failing: int, fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = task_of(fleet)
+    incumbents = [task.candidate("here", design_module.FALLBACK)]
+    made, whole = [], design_module.Task.candidate
+
+    def rounds(task: Any, origin: str, scalars: Any) -> Any:
+        made.append(scalars)
+        if len(made) <= failing:
+            raise UndecidedError("rounding to 4 digits breaks (16*)")
+        return whole(task, origin, scalars)
+
+    monkeypatch.setattr(design_module.Task, "candidate", rounds)
+    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    assert found[-1:] == incumbents
+    assert (len(found) > 1) == (failing == 1)
 
 
 # -- the last gate ----------------------------------------------------------------------------------------------------

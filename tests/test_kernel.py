@@ -886,6 +886,13 @@ def test_a_document_of_another_form_is_refused(change: Change) -> None:
     assert "\n" not in str(refusal(signed(content)))
 
 
+def test_every_vehicle_needs_a_name() -> None:
+    content = single("6")
+    content["fleet"]["vehicle"].append({**content["fleet"]["vehicle"][0], "name": 7})
+    content["gains"] = {name: 2 * values for name, values in content["gains"].items()}
+    assert "every vehicle needs a name" in str(refusal(signed(content)))
+
+
 @pytest.mark.parametrize("conditions", kernel.SETS)
 def test_each_set_requires_its_own_conditions(conditions: str) -> None:
     required = {"paper": ["(15)", "(16)"], "corrected": ["(16*)"], "rate-bounded": ["(15')", "(16*)"]}[conditions]
@@ -922,6 +929,13 @@ def test_the_order_of_keys_does_not_count(name: str) -> None:
     content = document(name)
     assert json.dumps(turned(content)) != json.dumps(content)
     assert kernel.check(json.dumps(turned(content))) == kernel.check(json.dumps(content))
+
+
+def test_the_digest_is_of_ascii_text() -> None:
+    content = single("6")
+    content["fleet"]["vehicle"][0]["name"] = "größe"
+    content["fleet"]["graph"]["leader_links"] = {"größe": "1"}
+    assert kernel.check(json.dumps(signed(content))).valid
 
 
 # -- hostile files ----------------------------------------------------------------------------------------------------

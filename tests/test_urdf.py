@@ -184,9 +184,9 @@ def test_robots_with_and_without_a_description_stand_side_by_side(tmp_path):
     written(tmp_path, ROBOT)
     numbers = {"mass": 1, "inertia": 2, "half_track": 3, "wheel_radius": 4, "torque_limit": 5, "offset": [1, 0]}
     mixed = content()
-    mixed["vehicle"].append({"name": "b", **numbers})
-    mixed["graph"]["edges"] = [["a", "b"]]
-    assert [vehicle.mass for vehicle in parse(mixed, tmp_path).vehicles] == [8, 1]
+    mixed["vehicle"] += [{"name": "b", **numbers}, {**mixed["vehicle"][0], "name": "c"}]
+    mixed["graph"]["edges"] = [["a", "b"], ["b", "c"]]
+    assert [vehicle.mass for vehicle in parse(mixed, tmp_path).vehicles] == [8, 1, 8]
 
 
 def test_a_bad_robot_is_named_beside_the_other_mistakes(tmp_path):
