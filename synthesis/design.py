@@ -28,7 +28,7 @@ from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
-FINAL_STARTS = 24  # the same, for the last choice
+FINAL_STARTS = 40  # the same, for the last choice
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 60.0  # of that search at most
@@ -93,9 +93,14 @@ class Task:
     digits: int
     seed: int
 
-    def candidate(self, origin: str, scalars: Scalars) -> Candidate:
-        """Rounded gains and excitation of scalars. Raises UndecidedError where rounding cannot keep the conditions."""
+    def candidate(self, origin: str, scalars: Scalars, own: Gains | None = None) -> Candidate:
+        """Rounded gains and excitation of scalars, each gain multiplied by that of `own`, (N,), where it is given.
+
+        Raises UndecidedError where rounding cannot keep the conditions.
+        """
         raw = structured(scalars, self.plant.m, self.plant.inertia, self.limits.degree)
+        if own is not None:
+            raw = Gains(*(getattr(raw, name) * getattr(own, name) for name in GAIN_NAMES))
         gains = within(self.conditions, self.limits, raw)
         return replace(self.exactly(origin, gains, float(scalars.tempo)), scalars=scalars)
 

@@ -1,17 +1,19 @@
-"""The time-domain search: CMA-ES over the structured scalars, warm-started by the averaged program; anytime."""
+"""The time-domain search: CMA-ES over the scalars, then over every gain, from the averaged program on; anytime."""
 
 from __future__ import annotations
 
 import logging
 import math
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..models.errors import UndecidedError
+from ..models.gains import GAIN_NAMES, Gains
 from .measure import cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
@@ -30,8 +32,14 @@ HOPELESS = 2.0  # times the best cost so far: a mean settling time beyond which 
 POPULATION = 12
 HORIZON = 6.0  # times the best cost so far
 SPREAD = 0.35  # of the first generation, in logarithms
-ELITE = 6  # candidates of a basin among which separate starts choose
+ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 3
+SCALARS = 6
+SCALARS_SHARE = 0.4  # of the time, for the scalars alone
+POLISHED_VEHICLES = 40
+POLISHING_GENERATIONS = 400
+CONTINUED_SPREAD = 0.2
+OWN_SPREAD = 0.5  # how much less a gain of one vehicle is varied than a scalar
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
@@ -47,26 +55,32 @@ def search(
 ) -> list[Candidate]:
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
-    The landscape has many basins: the first BASINS incumbents that differ get SHORT_GENERATIONS generations each, the
-    best of them goes on to GENERATIONS or until the time limit. With `short` the first incumbent is all. An interrupt
-    ends it with what it has. For one seed the generations are the same: only the clock can change the result.
+    The landscape has many basins: the first BASINS incumbents that differ get SHORT_GENERATIONS generations each, and
+    the best of them goes on with the scalars for SCALARS_SHARE of the time, then with every gain of every vehicle.
+    With `short` the first incumbent is all. An interrupt ends it with what it has. For one seed the generations are
+    the same: only the clock can change the result.
     """
     begins = _distinct(incumbents)[: 1 if short else BASINS]
     starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1)
-    deadline, basins = Deadline(time_limit), []
+    first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
+    runs: list[_Run] = []
     try:
         for begin in begins:  # none where only the convex programs found something: there are no scalars to vary
-            basins.append(_Basin(task, begin, starts, horizon, executor))
-            basins[-1].advance(SHORT_GENERATIONS, deadline, progress)
-        if basins and not short:
-            min(basins, key=lambda basin: basin.best).advance(GENERATIONS, deadline, progress)
+            runs.append(_Run(task, _fleet_wide(task), begin.logarithms(), starts, horizon, executor))
+            runs[-1].advance(SHORT_GENERATIONS, first, progress)
+        if runs and not short:
+            best = min(runs, key=lambda run: run.best)
+            best.advance(GENERATIONS, first, progress)
+            if len(task.fleet) <= POLISHED_VEHICLES:
+                runs.append(best.continued(_per_vehicle(task), 5 * len(task.fleet)))
+                runs[-1].advance(POLISHING_GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
         if short:
             raise
         LOG.warning("time-domain search: interrupted; the best so far is kept")
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
-    return [*(found for basin in basins for found in basin.finds()), *incumbents]
+    return [*(found for run in runs for found in run.finds()), *incumbents]
 
 
 def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
@@ -78,31 +92,62 @@ def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
     return kept
 
 
-class _Basin:
+Point = NDArray[np.float64]  # what the strategy varies
+
+
+def _fleet_wide(task: Task) -> Callable[[Point], Candidate]:
+    """Points are the logarithms of the scalars."""
+    return lambda point: task.candidate("time-domain search", Scalars.from_logarithms(point))
+
+
+def _per_vehicle(task: Task) -> Callable[[Point], Candidate]:
+    """Points go on with the logarithms of what each gain of each vehicle is multiplied by, over OWN_SPREAD."""
+
+    def make(point: Point) -> Candidate:
+        own = np.exp(OWN_SPREAD * point[SCALARS:].reshape(len(GAIN_NAMES), -1))
+        return task.candidate("time-domain search", Scalars.from_logarithms(point[:SCALARS]), Gains(*own))
+
+    return make
+
+
+class _Run:
     """One run of CMA-ES from its own beginning, and the best that it has met."""
 
     def __init__(
-        self, task: Task, begin: Scalars, starts: Sequence[State], horizon: float, executor: Executor | None
+        self,
+        task: Task,
+        make: Callable[[Point], Candidate],
+        begin: Point,
+        starts: Sequence[State],
+        horizon: float,
+        executor: Executor | None,
+        spread: float = SPREAD,
     ) -> None:
         import cma
 
-        self._task, self._starts, self._horizon, self._executor = task, starts, horizon, executor
-        self._elite: list[tuple[float, Candidate]] = []
+        self._task, self._make, self._starts, self._horizon, self._executor = task, make, starts, horizon, executor
+        self._elite: list[tuple[float, Candidate, Point]] = []
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
-            options = {"seed": task.seed + 1, "popsize": POPULATION, "verbose": -9}
-            self._strategy = cma.CMAEvolutionStrategy(begin.logarithms(), SPREAD, options)
+            population = max(POPULATION, 4 + math.floor(3 * math.log(begin.size)))
+            options = {"seed": task.seed + 1, "popsize": population, "verbose": -9}
+            self._strategy = cma.CMAEvolutionStrategy(begin, spread, options)
 
     @property
     def best(self) -> float:
         """The least cost so far, s."""
         return self._elite[0][0] if self._elite else math.inf
 
+    def continued(self, make: Callable[[Point], Candidate], more: int) -> _Run:
+        """A run from the best point of this one, with `more` numbers besides that begin at 0."""
+        begin = np.concatenate([self._elite[0][2] if self._elite else self._strategy.mean, np.zeros(more)])
+        return _Run(self._task, make, begin, self._starts, self._horizon, self._executor, CONTINUED_SPREAD)
+
     def finds(self) -> list[Candidate]:
         """The centre of the last generation and the best candidates; none before the first generation."""
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
         centre = self._candidate(self._strategy.mean) if self._elite else None
-        return [*([centre] if centre else []), *(candidate for _, candidate in self._elite)]
+        return [*([centre] if centre else []), *(candidate for _, candidate, _ in self._elite)]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
         """Some generations more, as long as there is time and the strategy has not converged."""
@@ -122,13 +167,13 @@ class _Basin:
         )
         costs = {k: cost(one, self._horizon) for k, one in zip(candidates, measured, strict=True)}
         self._strategy.tell(points, [math.log(costs.get(k, USELESS)) for k in range(len(points))])
-        met = [*self._elite, *((costs[k], candidate) for k, candidate in candidates.items())]
-        self._elite = sorted(met, key=lambda pair: pair[0])[:ELITE]
+        met = [*self._elite, *((costs[k], candidate, points[k]) for k, candidate in candidates.items())]
+        self._elite = sorted(met, key=lambda one: one[0])[:ELITE]
         self._horizon = min(self._horizon, HORIZON * self.best)
 
-    def _candidate(self, point: Any) -> Candidate | None:
+    def _candidate(self, point: Point) -> Candidate | None:
         """The candidate at a point of the search, None where rounding leaves no gains."""
         try:
-            return self._task.candidate("time-domain search", Scalars.from_logarithms(point))
+            return self._make(np.asarray(point))
         except UndecidedError:
             return None
