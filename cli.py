@@ -133,6 +133,15 @@ Seed = Annotated[int, typer.Option(min=0, help="of the random starts and of the 
 TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock for --mode best")]
 Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
 Horizon = Annotated[float | None, typer.Option(min=0.1, max=1e6, help="s [default: until settled and a while longer]")]
+Box = Annotated[
+    float | None,
+    typer.Option(
+        min=0,
+        max=1e6,
+        metavar="M",
+        help="side of the square around the goal of starts [default: the fleet's own scale]",
+    ),
+]
 ToleranceOption = Annotated[tuple[float, float], typer.Option(metavar="M RAD", help="what counts as settled")]
 
 
@@ -204,6 +213,7 @@ def design(
     time_limit: TimeLimit = 600.0,
     digits: Digits = 4,
     tolerance: ToleranceOption = (0.1, 0.1),
+    box: Box = None,
     compare: Annotated[
         bool, typer.Option("--compare", help="also design under all other conditions, psi and weights, and measure all")
     ] = False,
@@ -225,6 +235,7 @@ def design(
         "digits": digits,
         "time_limit": time_limit,
         "tolerance": tolerance_of(tolerance),
+        "box": box,
     }
     if against is not None:
         read_gains(against, fleet)  # what is wrong with it is said before the work begins
@@ -316,12 +327,7 @@ def validate(
     starts_file: Annotated[
         Path | None, typer.Option(metavar="CSV", help="start,vehicle,x,y,theta,v,omega; instead of random starts")
     ] = None,
-    box: Annotated[
-        float | None,
-        typer.Option(
-            min=0, max=1e6, metavar="M", help="side of the square around the goal [default: the fleet's own scale]"
-        ),
-    ] = None,
+    box: Box = None,
     seed: Seed = 0,
     horizon: Annotated[float, typer.Option(min=0.1, max=1e6, help="s that every start runs for")] = 300.0,
     tolerance: ToleranceOption = (0.1, 0.1),
@@ -458,6 +464,7 @@ def run(
     digits: Digits = 4,
     horizon: Horizon = None,
     tolerance: ToleranceOption = (0.1, 0.1),
+    box: Box = None,
     json: Json = False,
     quiet: Quiet = False,
     verbose: Verbose = False,
@@ -480,6 +487,7 @@ def run(
         time_limit=time_limit,
         digits=digits,
         tolerance=settled,
+        box=box,
     )
     document = {"design": write_design(printer, made, folder)}
     chosen = GainsFile(made.gains, made.excitation, conditions.value, made.links)

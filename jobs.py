@@ -101,7 +101,7 @@ def compare_designs(
     from .reports.designs_table import design_rows, for_terminal
 
     def measure(chosen: GainsFile, place: Path) -> None:
-        states, origin = starts_of(fleet, COMPARED_STARTS, None, made.seed, None)
+        states, origin = starts_of(fleet, COMPARED_STARTS, None, made.seed, options["box"])
         question = question_of(fleet, chosen, origin, COMPARED_HORIZON, made.tolerance)
         validate_starts(printer.silent(), fleet, question, states, place, seed=made.seed)
 

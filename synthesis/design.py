@@ -32,6 +32,7 @@ FINAL_STARTS = 40  # the same, for the last choice
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 60.0  # of that search at most
+LARGEST_BOX = 1e6  # m
 LONGEST = 20_000.0  # s, of a rollout
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
@@ -92,6 +93,7 @@ class Task:
     tolerance: Tolerance
     digits: int
     seed: int
+    half_width: float  # m, of the square around the goal that random starts are drawn from
 
     def candidate(self, origin: str, scalars: Scalars, own: Gains | None = None) -> Candidate:
         """Rounded gains and excitation of scalars, each gain multiplied by that of `own`, (N,), where it is given.
@@ -119,7 +121,7 @@ class Task:
     def starts(self, count: int, seed: int) -> list[State]:
         """The fleet's own start, if it has one, and `count` random ones."""
         own = self.fleet.start()
-        return [*([] if own is None else [own]), *random_starts(self.fleet, count, seed)]
+        return [*([] if own is None else [own]), *random_starts(self.fleet, count, seed, self.half_width)]
 
 
 def design(
@@ -133,6 +135,7 @@ def design(
     digits: int = 4,
     time_limit: float = 600.0,
     tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
+    box: float | None = None,
     executor: Executor | None = None,
     progress: Progress = lambda _what, _fraction: None,
 ) -> Design:
@@ -148,6 +151,7 @@ def design(
         digits: significant digits of every gain.
         time_limit: s of wall clock for mode "best".
         tolerance: what counts as settled.
+        box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
         executor: where rollouts run; None runs them here.
         progress: called with what is going on and the fraction done.
 
@@ -160,7 +164,7 @@ def design(
     if mode not in ("fast", "best"):
         raise InputError(f"mode = {mode!r} is not known; choose one of fast, best")
     links = _weights(fleet, weights)
-    task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance)
+    task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
     starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
@@ -191,13 +195,21 @@ def design(
 
 
 def prepare(
-    fleet: Fleet, conditions: str, excitation: str | None, seed: int, digits: int, tolerance: Tolerance
+    fleet: Fleet,
+    conditions: str,
+    excitation: str | None,
+    seed: int,
+    digits: int,
+    tolerance: Tolerance,
+    box: float | None = None,
 ) -> Task:
     """The task of designing for a fleet. Raises InputError and InfeasibleError."""
     if excitation not in (None, "given", "designed"):
         raise InputError(f"excitation = {excitation!r} is not known; choose given or designed")
     if not 1 <= digits <= 17:
         raise InputError(f"digits = {digits} must be from 1 to 17")
+    if box is not None and not 0 < box <= LARGEST_BOX:
+        raise InputError(f"box = {box} must be > 0 and at most {LARGEST_BOX:g} m")
     if excitation == "given" and fleet.psi is None:
         raise InputError(
             "excitation = 'given', but the fleet file has no [excitation] table; add one or ask for designed"
@@ -217,6 +229,7 @@ def prepare(
         tolerance,
         digits,
         seed,
+        scale(fleet) if box is None else box / 2,
     )
 
 
@@ -254,7 +267,7 @@ def _candidates(task: Task) -> tuple[list[Candidate], float]:
 
     found: list[Candidate] = []
     predicted = []
-    for scalars, time in local_optima(task, distance=scale(task.fleet)):
+    for scalars, time in local_optima(task, distance=task.half_width):
         found += _kept(task.candidate, "averaged program", scalars)
         predicted.append(time)
     for gains, tempo in convex_designs(task):

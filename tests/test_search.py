@@ -9,8 +9,11 @@ from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
+from gaincert.models.errors import InputError
 from gaincert.models.paper import paper_fleet
+from gaincert.models.starts import scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
 from gaincert.synthesis.measure import NEVER, Measured, cost, measure_all
@@ -79,3 +82,14 @@ def test_the_search_begins_in_basins_that_differ() -> None:
     near, far = (replace(FALLBACK, e=value) for value in (FALLBACK.e * 1.1, FALLBACK.e * 3))
     candidates = [SimpleNamespace(scalars=scalars) for scalars in (FALLBACK, None, near, far)]
     assert search_module._distinct(candidates) == [FALLBACK, far]
+
+
+def test_starts_are_drawn_from_the_box_that_is_asked_for() -> None:
+    fleet = paper_fleet()
+    plant = fleet.plant()
+    for box, half in ((8.0, 4.0), (None, scale(fleet))):
+        task = prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), box)
+        far = max(np.abs(start.x - plant.leader_x).max() for start in task.starts(20, 1)[1:])
+        assert 0.8 * half < far <= half
+    with pytest.raises(InputError, match="box = 0.0 must be > 0"):
+        prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 0.0)
