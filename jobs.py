@@ -243,7 +243,7 @@ def simulate_schemes(
         outcome, stored = disturbed_run(fleet, first.loop, start, real, float(first.t[-1]), tolerance)
         summary = disturbed_summary(outcome, stored, tolerance, real, summary)
         drawn = {"with the disturbance": stored, **drawn}
-        printer.say(f"with the disturbance ({in_words(real)}): {_run_in_words(summary)}")
+        printer.say(f"with the disturbance ({in_words(summary['disturbance'])}): {_run_in_words(summary)}")
     record = {**summary, "scheme": schemes[0], "fleet_digest": fleet.digest, "versions": versions()}
     stored.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", record)

@@ -16,6 +16,7 @@ from gaincert.verify.disturbance import (
     checked,
     disturbed,
     disturbed_run,
+    disturbed_summary,
     largest_sample_time,
     of_table,
     parts,
@@ -135,6 +136,8 @@ def test_a_kept_run_is_the_one_that_was_measured(paper, loop, starts) -> None:
     assert np.array_equal(run.state.x[0], starts[0].x)
     assert np.abs(run.tau_left / loop.torque_left).max() <= outcome.torque_ratio[0]
     assert run.state.x.shape == (len(run.t), 6)
+    summary = disturbed_summary(outcome, run, WIDE, real, {"horizon_s": 6.0, "violations": ["V rises"]})
+    assert summary["violations"] == ["V rises"]  # what the nominal run breaks is not hidden by the disturbed one
 
 
 def test_the_table_of_a_fleet_file_says_the_same_as_options(paper) -> None:

@@ -126,6 +126,7 @@ def disturbed_summary(
     """The content of summary.json for a disturbed run of one start, with the nominal one beside it."""
     time = float(outcome.settling_time[0])
     peak = float(outcome.torque_ratio[0])
+    broken = [f"a commanded wheel torque is {peak:.6g} of its limit"] if peak > 1 else []
     return {
         "settling_time_s": time if math.isfinite(time) else None,
         "tolerance": {"position_m": tolerance.position, "heading_rad": tolerance.heading},
@@ -136,7 +137,7 @@ def disturbed_summary(
         "max_V_increase": float(np.diff(run.V).max(initial=0)),
         "peak_speed": float(np.abs(run.state.v).max()),
         "peak_turn_rate": float(np.abs(run.state.omega).max()),
-        "violations": [f"a commanded wheel torque is {peak:.6g} of its limit"] if peak > 1 else [],
+        "violations": [*nominal["violations"], *broken],
         "disturbance": _said(disturbance),
         "nominal": nominal,
     }
@@ -211,9 +212,9 @@ def parts(disturbance: Disturbance) -> list[Disturbance]:
     return [alone, *single, disturbance] if len(single) > 1 else [alone, *single]
 
 
-def in_words(disturbance: Disturbance) -> str:
-    """What is disturbed, for a reader."""
-    return ", ".join(f"{name} {value}" for name, value in _said(disturbance).items() if name != "seed")
+def in_words(said: dict[str, Any]) -> str:
+    """What is disturbed, for a reader; `said` is the entry "disturbance" of a report."""
+    return ", ".join(f"{name} {value}" for name, value in said.items() if name != "seed")
 
 
 def _said(disturbance: Disturbance) -> dict[str, Any]:

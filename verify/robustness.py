@@ -7,7 +7,7 @@ from typing import Any
 
 from ..models.equations import State
 from ..models.fleet import Fleet
-from .disturbance import Disturbance, disturbed, largest_sample_time, parts, report
+from .disturbance import Disturbance, disturbed, in_words, largest_sample_time, parts, report
 from .validate import Question
 
 
@@ -41,10 +41,9 @@ def sentences(document: dict[str, Any]) -> list[str]:
     """The same for a reader."""
     lines = []
     for entry in document.get("disturbed", []):
-        what = ", ".join(f"{name} {value}" for name, value in entry["disturbance"].items() if name != "seed")
         later = entry["later_than_nominal_s"]
         lines.append(
-            f"with {what}: {entry['settled']} settle"
+            f"with {in_words(entry['disturbance'])}: {entry['settled']} settle"
             + (f", {later['median']:+.3g} s against nominal (median)" if later else "")
             + f", peak torque {100 * entry['peak_torque_ratio']:.2f} %"
         )
