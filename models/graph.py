@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -79,6 +79,25 @@ class Graph:
         tree: Indices = np.maximum(parent[:leader], -1).astype(np.int64)
         return tree
 
+    def roles(self) -> Indices:
+        """The role of every vehicle, (N,), numbered from 0 in file order.
+
+        Vehicles that the weighted graph does not tell apart share one: the coarsest equitable partition, by colour
+        refinement from the leader links on.
+        """
+        met: list[list[tuple[Any, int]]] = [[] for _ in range(self.vehicles)]
+        for i, j, weight in zip(self.tail.tolist(), self.head.tolist(), self.weight.tolist(), strict=True):
+            met[i].append((weight, j))
+            met[j].append((weight, i))
+        role = _numbered(self.leader_weight.tolist())
+        while True:
+            finer = _numbered(
+                [(role[i], *sorted((weight, role[j]) for weight, j in near)) for i, near in enumerate(met)]
+            )
+            if finer == role:
+                return np.array(role)
+            role = finer
+
     def ldl_pivots(self) -> list[Fraction]:
         """The pivots of the exact L D L^T of L_l; all are positive if and only if L_l > 0 (Lemma 1). O(N^3)."""
         exact = self.map(np.frompyfunc(Fraction, 1, 1))
@@ -92,3 +111,9 @@ class Graph:
                 break  # not positive definite; the last pivot says so
             matrix = matrix[1:, 1:] - np.outer(matrix[1:, 0], matrix[0, 1:]) / matrix[0, 0]
         return pivots
+
+
+def _numbered(signs: Sequence[Hashable]) -> list[int]:
+    """The number of every sign, in the order in which they first appear."""
+    numbers: dict[Hashable, int] = {}
+    return [numbers.setdefault(sign, len(numbers)) for sign in signs]

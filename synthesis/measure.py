@@ -22,11 +22,11 @@ from .rollout import Rollout, Settling, Tolerance
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-WORST_SHARE = 0.3  # of the worst start in the cost, beside the mean
-TAIL_SHARE = 0.03  # of the mean tail to half the tolerance: it keeps what comes after settling from being traded away
+WORST_SHARE = 0.15  # of the worst start in the cost, beside the mean
+TAIL_SHARE = 0.01  # of the mean tail to half the tolerance: it keeps what comes after settling from being traded away
 TAIL_DIRECTIONS = 3  # in which the fleet is 1 m off its track, from which the averaged flow is followed
 STEP = 0.5  # s between the points at which a rollout is looked at
-PIECE = 25.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
+PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
 ACCURACY: dict[str, Any] = {"reltol": 1e-4, "abstol": 1e-5, "multistep": "adams"}  # enough to rank
 NEVER = Settling(math.inf, math.inf)
 

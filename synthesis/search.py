@@ -1,4 +1,4 @@
-"""The time-domain search: CMA-ES over the scalars, then over every gain, from the averaged program on; anytime."""
+"""The time-domain search: CMA-ES over the scalars, then over the gains of every role, from the averaged program on."""
 
 from __future__ import annotations
 
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 LOG = logging.getLogger(__name__)
 
+ORIGIN = "time-domain search"
 TRAINING_STARTS = 20  # fewer are overfitted: THEORY section 3
 GENERATIONS = 120
 SHORT_GENERATIONS = 12  # of mode "fast"
@@ -35,11 +36,11 @@ SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 3
 SCALARS = 6
-SCALARS_SHARE = 0.4  # of the time, for the scalars alone
+SCALARS_SHARE = 0.35  # of the time, for the scalars alone
 POLISHED_VEHICLES = 40
 POLISHING_GENERATIONS = 400
 CONTINUED_SPREAD = 0.2
-OWN_SPREAD = 0.5  # how much less a gain of one vehicle is varied than a scalar
+OWN_SPREAD = 0.5  # how much less a gain of one role is varied than a scalar
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
@@ -56,7 +57,7 @@ def search(
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
     The landscape has many basins: the first BASINS incumbents that differ get SHORT_GENERATIONS generations each, and
-    the best of them goes on with the scalars for SCALARS_SHARE of the time, then with every gain of every vehicle.
+    the best of them goes on with the scalars for SCALARS_SHARE of the time, then with every gain of every role.
     With `short` the first incumbent is all. An interrupt ends it with what it has. For one seed the generations are
     the same: only the clock can change the result.
     """
@@ -72,7 +73,7 @@ def search(
             best = min(runs, key=lambda run: run.best)
             best.advance(GENERATIONS, first, progress)
             if len(task.fleet) <= POLISHED_VEHICLES:
-                runs.append(best.continued(_per_vehicle(task), 5 * len(task.fleet)))
+                runs.append(best.continued(*_per_role(task)))
                 runs[-1].advance(POLISHING_GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
         if short:
@@ -97,17 +98,22 @@ Point = NDArray[np.float64]  # what the strategy varies
 
 def _fleet_wide(task: Task) -> Callable[[Point], Candidate]:
     """Points are the logarithms of the scalars."""
-    return lambda point: task.candidate("time-domain search", Scalars.from_logarithms(point))
+    return lambda point: task.candidate(ORIGIN, Scalars.from_logarithms(point))
 
 
-def _per_vehicle(task: Task) -> Callable[[Point], Candidate]:
-    """Points go on with the logarithms of what each gain of each vehicle is multiplied by, over OWN_SPREAD."""
+def _per_role(task: Task) -> tuple[Callable[[Point], Candidate], int]:
+    """Points go on with the logarithms, over OWN_SPREAD, of factors on the gains of every role but the first.
+
+    Also says how many numbers those are.
+    """
+    role = task.plant.graph.roles()
+    others, kinds = int(role.max()), len(GAIN_NAMES)
 
     def make(point: Point) -> Candidate:
-        own = np.exp(OWN_SPREAD * point[SCALARS:].reshape(len(GAIN_NAMES), -1))
-        return task.candidate("time-domain search", Scalars.from_logarithms(point[:SCALARS]), Gains(*own))
+        own = np.vstack([np.zeros(kinds), OWN_SPREAD * point[SCALARS:].reshape(others, kinds)])
+        return task.candidate(ORIGIN, Scalars.from_logarithms(point[:SCALARS]), Gains(*np.exp(own[role]).T))
 
-    return make
+    return make, others * kinds
 
 
 class _Run:

@@ -159,3 +159,37 @@ def test_l_l_is_the_linear_part_of_the_consensus_error(fleet, random):
     assert np.allclose(graph.composed_laplacian() @ z, linear, atol=1e-12)
     near = consensus_error(numpy_ops(), graph, 1e-5 * z, 0.0)
     assert np.allclose(1e-5 * linear, near, rtol=1e-6, atol=1e-13)
+
+
+def test_the_roles_of_the_paper_s_graph(paper):
+    """v2 and v4 are led, v1 and v5 stand beside one of them, v3 between both, v6 opposite."""
+    assert paper.graph.roles().tolist() == [0, 1, 2, 1, 0, 3]
+
+
+def test_vehicles_of_one_role_see_the_same():
+    """Equitable: one role has one leader link and the same weights to every role, whatever the order of the file."""
+    for seed in range(60):
+        random = np.random.default_rng(seed)
+        graph = random_graph(random).map(lambda weights: np.ceil(weights.astype(float)))
+        role = graph.roles()
+        seen = [(graph.leader_weight[i], seen_by(graph, role, i)) for i in range(graph.vehicles)]
+        for i, j in np.argwhere(role[:, None] == role):
+            assert seen[i] == seen[j]
+        order = random.permutation(graph.vehicles)  # vehicle i becomes vehicle order[i]
+        moved = Graph(order[graph.tail], order[graph.head], graph.weight, graph.leader_weight[np.argsort(order)])
+        again = moved.roles()[order]
+        assert ((role[:, None] == role) == (again[:, None] == again)).all()
+
+
+def test_roles_tell_apart_no_more_than_they_must():
+    """Without leader links a ring and a complete graph have one role; one led vehicle splits a ring by distance."""
+    ring = Graph(np.arange(6), np.roll(np.arange(6), -1), np.ones(6), np.zeros(6))
+    assert ring.roles().tolist() == [0] * 6
+    led = Graph(ring.tail, ring.head, ring.weight, np.eye(6)[0])
+    assert led.roles().tolist() == [0, 1, 2, 3, 2, 1]
+
+
+def seen_by(graph, role, i):
+    """The weights of the edges of vehicle i with the role at the other end, sorted."""
+    ends = zip(graph.tail, graph.head, graph.weight, strict=True)
+    return sorted((weight, role[j if i == k else k]) for k, j, weight in ends if i in (k, j))
