@@ -298,7 +298,7 @@ def rank(
     """The candidates by cost over the starts, least first, and the settling times (s) of the first."""
     found: list[tuple[float, int, list[float]]] = []
     for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
-        found.append((cost(measured, horizon), number, [run.time for run in measured.runs]))
+        found.append((cost(measured, horizon), number, [run.time for run in measured]))
         progress("ranking candidates by simulation", (number + 1) / len(candidates))
     found.sort()
     return [candidates[number] for _, number, _ in found], found[0][2]

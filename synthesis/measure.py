@@ -6,39 +6,36 @@ import math
 import statistics
 from collections.abc import Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
-import numpy as np
-
-from ..models.equations import Plant, State
+from ..models.equations import Plant, State, across
 from ..models.errors import UndecidedError
-from ..models.excitation import Excitation
 from ..models.fleet import floats
-from ..models.gains import Gains
-from .rates import LONGEST_TAIL, CrossTrack
+from ..models.ops import numpy_ops
+from .rates import CrossTrack
 from .rollout import Rollout, Settling, Tolerance
 
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-WORST_SHARE = 0.15  # of the worst start in the cost, beside the mean
-TAIL_SHARE = 0.01  # of the mean tail to half the tolerance: it keeps what comes after settling from being traded away
-TAIL_DIRECTIONS = 3  # in which the fleet is 1 m off its track, from which the averaged flow is followed
+WORST_SHARE = 0.25  # of the worst start in the cost, beside the mean
+FINER_SHARE = 0.1  # of the same for half the tolerance: what comes after settling must not be traded away
+FLOW_ACCURACY = 1e-3
+LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
 STEP = 0.5  # s between the points at which a rollout is looked at
 PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
-ACCURACY: dict[str, Any] = {"reltol": 1e-4, "abstol": 1e-5, "multistep": "adams"}  # enough to rank
-NEVER = Settling(math.inf, math.inf)
+ACCURACY: dict[str, Any] = {"reltol": 1e-3, "abstol": 1e-4, "multistep": "adams"}  # enough to rank
 
 
-@dataclass(frozen=True)
-class Measured:
-    """What simulation and the averaged flow say of a candidate."""
+class Run(NamedTuple):
+    """What simulation and the averaged flow say of a candidate from one start."""
 
-    runs: list[Settling]  # for every start
-    tails: list[float]  # s, for every direction; inf where the averaged flow does not fall so far
+    time: float  # s, from which on the fleet is settled; inf where not by the horizon
+    finer: float  # s, the same for half the tolerance, followed by the averaged flow once the fleet is settled
+    excess: float  # the largest error over its tolerance at the end
 
 
+NEVER = Run(math.inf, math.inf, math.inf)
 Job = tuple[Plant, "Candidate", Sequence[State], float, Tolerance, float]
 
 
@@ -49,7 +46,7 @@ def measure_all(
     horizon: float,
     executor: Executor | None,
     hopeless: float = math.inf,
-) -> Iterator[Measured]:
+) -> Iterator[list[Run]]:
     """The measurements of candidates in turn, over common starts, in other processes where there is an executor.
 
     A candidate whose mean settling time is beyond `hopeless` (s) whatever the rest does is not run to the end.
@@ -61,38 +58,42 @@ def measure_all(
         raise UndecidedError("design: a worker process died or took too long; run the same command again") from None
 
 
-def measure(job: Job) -> Measured:
-    """How the fleet settles from every start (never, where the integrator gave up), and its tails."""
+def measure(job: Job) -> list[Run]:
+    """How the fleet settles from every start; never, where the integrator gave up."""
     plant, candidate, starts, horizon, tolerance, hopeless = job
     piece = max(PIECE, 2 * math.pi / float(candidate.excitation.frequency))
     rollout = Rollout(plant, candidate.excitation, step=STEP, piece=piece, **ACCURACY)
     gains = candidate.gains.map(floats)
-    runs: list[Settling] = []
-    for start in starts:
-        if sum(min(run.time, horizon) for run in runs) > hopeless * len(starts):
-            return Measured([*runs, *[NEVER] * (len(starts) - len(runs))], [math.inf])
-        try:
-            runs.append(rollout.settling(gains, start, horizon, tolerance))
-        except UndecidedError:  # such gains are of no use to anybody
-            runs.append(NEVER)
-    return Measured(runs, _tails(plant, gains, candidate.excitation, tolerance))
-
-
-def _tails(plant: Plant, gains: Gains, excitation: Excitation, tolerance: Tolerance) -> list[float]:
-    """Times from 1 m across the track to half the tolerance, by the averaged flow, from fixed directions."""
+    runs: list[Run] = []
     try:
-        track = CrossTrack(plant, gains, excitation)
-    except UndecidedError:
-        return [math.inf]
-    sides = np.random.default_rng(0).choice([-1.0, 1.0], (TAIL_DIRECTIONS, plant.graph.vehicles))
-    return [track.time_to(side, tolerance.position / 2, tolerance.heading / 2)[0] for side in sides]
+        track = CrossTrack(plant, gains, candidate.excitation)
+        for start in starts:
+            if sum(min(run.time, horizon) for run in runs) > hopeless * len(starts):
+                break
+            settling = rollout.settling(gains, start, horizon, tolerance)
+            runs.append(Run(settling.time, _finer(track, plant, settling, tolerance), settling.excess))
+    except UndecidedError:  # such gains are of no use to anybody
+        pass
+    return [*runs, *[NEVER] * (len(starts) - len(runs))]
 
 
-def cost(measured: Measured, horizon: float) -> float:
-    """Mean settling time with a share of the worst, and a share of the same of the tails, s."""
-    times = [_counted(run.time, run.excess, horizon) for run in measured.runs]
-    tails = [tail if tail < LONGEST_TAIL else LONGEST_TAIL for tail in measured.tails]  # nan counts as the longest
-    return _mean_and_worst(times) + TAIL_SHARE * _mean_and_worst(tails)
+def _finer(track: CrossTrack, plant: Plant, settling: Settling, tolerance: Tolerance) -> float:
+    """When the fleet is within half the tolerance, s: in the rollout, or by the averaged flow from its end on."""
+    if not math.isfinite(settling.time):
+        return math.inf
+    if settling.excess <= 0.5:
+        return settling.time
+    x = settling.final.x - plant.offset_x - plant.leader_x
+    y = settling.final.y - plant.offset_y - plant.leader_y
+    side = across(numpy_ops(), plant.leader_theta, x, y)
+    return settling.end + track.time_to(side, tolerance.position / 2, tolerance.heading / 2, FLOW_ACCURACY)[0]
+
+
+def cost(runs: Sequence[Run], horizon: float) -> float:
+    """Mean settling time with a share of the worst, and a share of the same for half the tolerance, s."""
+    times = [_counted(run.time, run.excess, horizon) for run in runs]
+    finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
+    return _mean_and_worst(times) + FINER_SHARE * _mean_and_worst(finer)
 
 
 def _mean_and_worst(times: Sequence[float]) -> float:

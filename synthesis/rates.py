@@ -116,11 +116,11 @@ class CrossTrack:
         swings = sum((phase * theta).imag for phase, theta in zip(self._phases, solved, strict=True))
         return np.asarray(np.max(np.abs(swings), axis=0))
 
-    def time_to(self, start: Floats, position: float, heading: float) -> tuple[float, float]:
+    def time_to(self, start: Floats, position: float, heading: float, accuracy: float = 1e-6) -> tuple[float, float]:
         """(T, kappa): the time until |y| <= position and swing <= heading everywhere, and the coefficient there.
 
         kappa is that of d|y|/dt = -kappa |y|^3 for the largest entry; (inf, kappa) where the errors do not fall so far
-        by LONGEST_TAIL, or before the clock runs out: then kappa is that of the start.
+        by LONGEST_TAIL, or before the clock runs out: then kappa is that of the start. `accuracy` is relative.
         """
         from scipy.integrate import solve_ivp
 
@@ -131,11 +131,13 @@ class CrossTrack:
 
         deadline = Deadline(TAIL_SECONDS)
         excess.terminal = True  # type: ignore[attr-defined]
+        options: dict[str, Any] = {"events": excess, "rtol": accuracy, "atol": accuracy / 1000}
         try:
-            run = solve_ivp(
-                lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", events=excess, rtol=1e-6, atol=1e-9
-            )
-            y, time = run.y[:, -1], float(run.t[-1]) if run.status == 1 else math.inf
+            if excess(0.0, start) <= 0:
+                y, time = start, 0.0
+            else:
+                run = solve_ivp(lambda _, y: -self.flow(y), (0, LONGEST_TAIL), start, "LSODA", **options)
+                y, time = run.y[:, -1], float(run.t[-1]) if run.status == 1 else math.inf
         except TimeoutError:
             y, time = start, math.inf
         leading = int(np.argmax(np.abs(y)))

@@ -126,7 +126,9 @@ class Rollout:
                 break
             if deadline.passed:
                 raise UndecidedError(f"{SETTLING_SECONDS:g} s of wall clock passed at t = {end:g} s of {horizon:g} s")
-        return Settling(last if last < end - self.step else math.inf, excess)
+        return Settling(
+            last if last < end - self.step else math.inf, excess, end, State(*(values[-1] for values in states))
+        )
 
 
 class Settling(NamedTuple):
@@ -134,6 +136,8 @@ class Settling(NamedTuple):
 
     time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
     excess: float  # the largest error over its tolerance during the last piece
+    end: float  # s, when the rollout ended
+    final: State  # then, (N,) each
 
 
 class Deadline:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
-from .measure import cost, measure_all
+from .measure import Run, cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
 
@@ -25,22 +25,23 @@ if TYPE_CHECKING:
 LOG = logging.getLogger(__name__)
 
 ORIGIN = "time-domain search"
-TRAINING_STARTS = 20  # fewer are overfitted: THEORY section 3
+TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
 GENERATIONS = 120
 SHORT_GENERATIONS = 12  # of mode "fast"
 SHORT_STARTS = 8  # beside the fleet's own
+FIRST_SHARE = 0.4  # of the starts, on which the better half of a generation is chosen
 HOPELESS = 2.0  # times the best cost so far: a mean settling time beyond which a candidate is not run to the end
 POPULATION = 12
-HORIZON = 6.0  # times the best cost so far
+ROLES_POPULATION = 24  # more numbers, and noise: near the same gains, chaotic motion takes other times
+HORIZON = 4.0  # times the best cost so far
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 3
 SCALARS = 6
-SCALARS_SHARE = 0.35  # of the time, for the scalars alone
+SCALARS_SHARE = 0.25  # of the time, for the scalars alone
 POLISHED_VEHICLES = 40
 POLISHING_GENERATIONS = 400
-CONTINUED_SPREAD = 0.2
-OWN_SPREAD = 0.5  # how much less a gain of one role is varied than a scalar
+CONTINUED_SPREAD = 0.15
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
@@ -102,7 +103,7 @@ def _fleet_wide(task: Task) -> Callable[[Point], Candidate]:
 
 
 def _per_role(task: Task) -> tuple[Callable[[Point], Candidate], int]:
-    """Points go on with the logarithms, over OWN_SPREAD, of factors on the gains of every role but the first.
+    """Points go on with the logarithms of factors on the gains of every role but the first.
 
     Also says how many numbers those are.
     """
@@ -110,7 +111,7 @@ def _per_role(task: Task) -> tuple[Callable[[Point], Candidate], int]:
     others, kinds = int(role.max()), len(GAIN_NAMES)
 
     def make(point: Point) -> Candidate:
-        own = np.vstack([np.zeros(kinds), OWN_SPREAD * point[SCALARS:].reshape(others, kinds)])
+        own = np.vstack([np.zeros(kinds), point[SCALARS:].reshape(others, kinds)])
         return task.candidate(ORIGIN, Scalars.from_logarithms(point[:SCALARS]), Gains(*np.exp(own[role]).T))
 
     return make, others * kinds
@@ -127,6 +128,7 @@ class _Run:
         starts: Sequence[State],
         horizon: float,
         executor: Executor | None,
+        population: int = POPULATION,
         spread: float = SPREAD,
     ) -> None:
         import cma
@@ -135,7 +137,6 @@ class _Run:
         self._elite: list[tuple[float, Candidate, Point]] = []
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
-            population = max(POPULATION, 4 + math.floor(3 * math.log(begin.size)))
             options = {"seed": task.seed + 1, "popsize": population, "verbose": -9}
             self._strategy = cma.CMAEvolutionStrategy(begin, spread, options)
 
@@ -147,7 +148,9 @@ class _Run:
     def continued(self, make: Callable[[Point], Candidate], more: int) -> _Run:
         """A run from the best point of this one, with `more` numbers besides that begin at 0."""
         begin = np.concatenate([self._elite[0][2] if self._elite else self._strategy.mean, np.zeros(more)])
-        return _Run(self._task, make, begin, self._starts, self._horizon, self._executor, CONTINUED_SPREAD)
+        return _Run(
+            self._task, make, begin, self._starts, self._horizon, self._executor, ROLES_POPULATION, CONTINUED_SPREAD
+        )
 
     def finds(self) -> list[Candidate]:
         """The centre of the last generation and the best candidates; none before the first generation."""
@@ -167,15 +170,26 @@ class _Run:
     def _generation(self) -> None:
         points = self._strategy.ask()
         candidates = {k: found for k, point in enumerate(points) if (found := self._candidate(point))}
-        hopeless = HOPELESS * self.best
-        measured = measure_all(
-            self._task, list(candidates.values()), self._starts, self._horizon, self._executor, hopeless
-        )
-        costs = {k: cost(one, self._horizon) for k, one in zip(candidates, measured, strict=True)}
-        self._strategy.tell(points, [math.log(costs.get(k, USELESS)) for k in range(len(points))])
-        met = [*self._elite, *((costs[k], candidate, points[k]) for k, candidate in candidates.items())]
+        few = math.ceil(FIRST_SHARE * len(self._starts))
+        first = self._measured(candidates, self._starts[:few])
+        costs = {k: cost(one, self._horizon) for k, one in first.items()}
+        # The strategy learns from the order, mostly of the better half: only that half goes on to the other starts.
+        better = sorted(costs, key=costs.__getitem__)[: math.ceil(len(points) / 2)]
+        rest = self._measured({k: candidates[k] for k in better}, self._starts[few:])
+        whole = {k: cost(first[k] + one, self._horizon) for k, one in rest.items()}
+        behind = max(whole.values(), default=0.0)
+        told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
+        self._strategy.tell(points, [math.log(told.get(k, USELESS)) for k in range(len(points))])
+        met = [*self._elite, *((value, candidates[k], points[k]) for k, value in whole.items())]
         self._elite = sorted(met, key=lambda one: one[0])[:ELITE]
         self._horizon = min(self._horizon, HORIZON * self.best)
+
+    def _measured(self, candidates: dict[int, Candidate], starts: Sequence[State]) -> dict[int, list[Run]]:
+        """What simulation says of numbered candidates; those that are hopeless are not run to the end."""
+        measured = measure_all(
+            self._task, list(candidates.values()), starts, self._horizon, self._executor, HOPELESS * self.best
+        )
+        return dict(zip(candidates, measured, strict=True))
 
     def _candidate(self, point: Point) -> Candidate | None:
         """The candidate at a point of the search, None where rounding leaves no gains."""

@@ -101,6 +101,7 @@ def test_the_flow_is_cubic_and_the_tail_time_follows_it() -> None:
     assert time == pytest.approx((1 / 0.1**2 - 1) / (2 * kappa), rel=1e-3)
     slower, _ = track.time_to(np.array([1.0]), 0.1, 0.1 * float(track.swing(np.array([0.05]))[0]) / 0.05 / 2)
     assert slower > time  # a tighter heading tolerance takes longer
+    assert track.time_to(np.array([0.05]), 0.1, 10.0)[0] == 0  # it is there already
 
 
 def test_the_programs_flow_is_the_flow() -> None:

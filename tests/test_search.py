@@ -16,8 +16,9 @@ from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
-from gaincert.synthesis.measure import NEVER, Measured, cost, measure_all
-from gaincert.synthesis.rollout import Settling, Tolerance
+from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
+from gaincert.synthesis.rollout import Tolerance
+from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 
 ROOT = Path(__file__).parent.parent
@@ -61,11 +62,24 @@ def test_an_interrupted_search_writes_the_best_so_far(tmp_path: Path) -> None:
 
 
 def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
-    good = Measured([Settling(10.0, 0.5), Settling(90.0, 0.9)], [50.0])
-    bad = Measured([Settling(10.0, 0.5), Settling(float("inf"), 2.0)], [50.0])
-    assert cost(good, 100.0) < cost(bad, 100.0)
-    endless = Measured(good.runs, [float("inf")])
+    good = [Run(10.0, 20.0, 0.5), Run(90.0, 100.0, 0.9)]
+    bad = [Run(10.0, 20.0, 0.5), Run(float("inf"), float("inf"), 2.0)]
+    assert cost(good, 100.0) < cost(bad, 100.0) < float("inf")
+    endless = [good[0], good[1]._replace(finer=float("inf"))]
     assert cost(good, 100.0) < cost(endless, 100.0) < float("inf")
+
+
+@pytest.mark.slow
+def test_the_averaged_flow_tells_when_the_fleet_is_within_half_the_tolerance() -> None:
+    """Followed from the end of a rollout, against a rollout at half the tolerance: a fifth, and the piece that had to be settled."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    candidate = task.candidate("here", Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2))
+    half = replace(task, tolerance=Tolerance(0.05, 0.05))
+    starts = task.starts(5, 1)
+    found, true = (next(measure_all(one, [candidate], starts, 2000.0, None)) for one in (task, half))
+    later = [(a.finer, b.time) for a, b in zip(found, true, strict=True) if a.finer > a.time]
+    assert len(later) >= 4
+    assert all(abs(predicted - run) < 0.2 * run + PIECE for predicted, run in later)
 
 
 def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
@@ -74,8 +88,8 @@ def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
     candidate, starts = task.candidate("here", FALLBACK), task.starts(3, 1)
     whole = next(measure_all(task, [candidate], starts, 60.0, None))
     cut = next(measure_all(task, [candidate], starts, 60.0, None, hopeless=1.0))
-    assert cut.runs[0] == whole.runs[0]
-    assert cut.runs[1:] == [NEVER] * 3
+    assert cut[0] == whole[0]
+    assert cut[1:] == [NEVER] * 3
     assert cost(cut, 60.0) > cost(whole, 60.0)
 
 
