@@ -71,7 +71,7 @@ def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
 
 @pytest.mark.slow
 def test_the_averaged_flow_tells_when_the_fleet_is_within_half_the_tolerance() -> None:
-    """Followed from the end of a rollout, against a rollout at half the tolerance: a fifth, and the piece that had to be settled."""
+    """Against a rollout at half the tolerance: to a fifth, and the piece that had to be settled."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     candidate = task.candidate("here", Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2))
     half = replace(task, tolerance=Tolerance(0.05, 0.05))
