@@ -39,8 +39,8 @@ ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 3
 SCALARS = 6
 SCALARS_SHARE = 0.25  # of the time, for the scalars alone
-POLISHED_VEHICLES = 40
-POLISHING_GENERATIONS = 400
+ROLES_VEHICLES = 40
+ROLES_GENERATIONS = 400
 CONTINUED_SPREAD = 0.15
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
@@ -73,9 +73,9 @@ def search(
         if runs and not short:
             best = min(runs, key=lambda run: run.best)
             best.advance(GENERATIONS, first, progress)
-            if len(task.fleet) <= POLISHED_VEHICLES:
+            if len(task.fleet) <= ROLES_VEHICLES:
                 runs.append(best.continued(*_per_role(task)))
-                runs[-1].advance(POLISHING_GENERATIONS, deadline, progress)
+                runs[-1].advance(ROLES_GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
         if short:
             raise

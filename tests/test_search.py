@@ -27,7 +27,7 @@ ROOT = Path(__file__).parent.parent
 @pytest.mark.slow
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("GENERATIONS", "POLISHING_GENERATIONS"):
+    for name in ("GENERATIONS", "ROLES_GENERATIONS"):
         monkeypatch.setattr(search_module, name, 2)
     monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
     monkeypatch.setattr(search_module, "TRAINING_STARTS", 2)
