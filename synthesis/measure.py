@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 WORST_SHARE = 0.25  # of the worst start in the cost, beside the mean
 FINER_SHARE = 0.1  # of the same for half the tolerance: what comes after settling must not be traded away
-FLOW_ACCURACY = 1e-3
+FLOW_ACCURACY = 1e-3  # relative, of the averaged flow
 LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
 STEP = 0.5  # s between the points at which a rollout is looked at
 PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
@@ -67,25 +67,27 @@ def measure(job: Job) -> list[Run]:
     runs: list[Run] = []
     try:
         track = CrossTrack(plant, gains, candidate.excitation)
-        for start in starts:
-            if sum(min(run.time, horizon) for run in runs) > hopeless * len(starts):
-                break
-            settling = rollout.settling(gains, start, horizon, tolerance)
-            runs.append(Run(settling.time, _finer(track, plant, settling, tolerance), settling.excess))
     except UndecidedError:  # such gains are of no use to anybody
-        pass
+        return [NEVER] * len(starts)
+    for start in starts:
+        if sum(min(run.time, horizon) for run in runs) > hopeless * len(starts):
+            break
+        try:
+            settling = rollout.settling(gains, start, horizon, tolerance)
+        except UndecidedError:
+            runs.append(NEVER)
+        else:
+            runs.append(Run(settling.time, _finer(track, rollout, settling, tolerance), settling.excess))
     return [*runs, *[NEVER] * (len(starts) - len(runs))]
 
 
-def _finer(track: CrossTrack, plant: Plant, settling: Settling, tolerance: Tolerance) -> float:
+def _finer(track: CrossTrack, rollout: Rollout, settling: Settling, tolerance: Tolerance) -> float:
     """When the fleet is within half the tolerance, s: in the rollout, or by the averaged flow from its end on."""
     if not math.isfinite(settling.time):
         return math.inf
     if settling.excess <= 0.5:
         return settling.time
-    x = settling.final.x - plant.offset_x - plant.leader_x
-    y = settling.final.y - plant.offset_y - plant.leader_y
-    side = across(numpy_ops(), plant.leader_theta, x, y)
+    side = across(numpy_ops(), rollout.plant.leader_theta, *rollout.offsets(settling.final))
     return settling.end + track.time_to(side, tolerance.position / 2, tolerance.heading / 2, FLOW_ACCURACY)[0]
 
 

@@ -98,12 +98,15 @@ class Rollout:
         blocks = columns.reshape(5, self.vehicles, -1)
         return State(*(block.T for block in blocks))
 
+    def offsets(self, state: State) -> tuple[Floats, Floats]:
+        """The distances of the vehicles from their places in x and y, m, shaped as the state."""
+        plant = self.plant
+        return state.x - plant.offset_x - plant.leader_x, state.y - plant.offset_y - plant.leader_y
+
     def errors(self, state: State) -> tuple[Floats, Floats]:
         """The largest position error (m) and heading error (rad) over the fleet, (K,)."""
-        plant = self.plant
-        x = state.x - plant.offset_x - plant.leader_x
-        y = state.y - plant.offset_y - plant.leader_y
-        return np.hypot(x, y).max(axis=-1), np.abs(state.theta - plant.leader_theta).max(axis=-1)
+        position, heading = np.hypot(*self.offsets(state)), np.abs(state.theta - self.plant.leader_theta)
+        return position.max(axis=-1), heading.max(axis=-1)
 
     def excess(self, state: State, tolerance: Tolerance) -> Floats:
         """The larger of both errors over their tolerances, (K,); settled means at most 1."""

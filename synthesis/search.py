@@ -39,9 +39,9 @@ ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 3
 SCALARS = 6
 SCALARS_SHARE = 0.25  # of the time, for the scalars alone
-ROLES_VEHICLES = 40
+ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
 ROLES_GENERATIONS = 400
-CONTINUED_SPREAD = 0.15
+ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
 
@@ -149,7 +149,7 @@ class _Run:
         """A run from the best point of this one, with `more` numbers besides that begin at 0."""
         begin = np.concatenate([self._elite[0][2] if self._elite else self._strategy.mean, np.zeros(more)])
         return _Run(
-            self._task, make, begin, self._starts, self._horizon, self._executor, ROLES_POPULATION, CONTINUED_SPREAD
+            self._task, make, begin, self._starts, self._horizon, self._executor, ROLES_POPULATION, ROLES_SPREAD
         )
 
     def finds(self) -> list[Candidate]:

@@ -8,16 +8,17 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
-from gaincert.models.errors import InputError
+from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
 from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
-from gaincert.synthesis.rollout import Tolerance
+from gaincert.synthesis.rollout import Rollout, Settling, Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 
@@ -91,6 +92,20 @@ def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
     assert cut[0] == whole[0]
     assert cut[1:] == [NEVER] * 3
     assert cost(cut, 60.0) > cost(whole, 60.0)
+
+
+def test_a_start_on_which_the_integrator_gives_up_takes_no_other_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    candidate, starts, settling = task.candidate("here", FALLBACK), task.starts(2, 1), Rollout.settling
+
+    def stalls(rollout: Rollout, gains: Any, start: Any, *rest: Any) -> Settling:
+        if start is starts[1]:
+            raise UndecidedError("it stalls")
+        return settling(rollout, gains, start, *rest)
+
+    whole = next(measure_all(task, [candidate], starts, 60.0, None))
+    monkeypatch.setattr(Rollout, "settling", stalls)
+    assert next(measure_all(task, [candidate], starts, 60.0, None)) == [whole[0], NEVER, whole[2]]
 
 
 def test_the_search_begins_in_basins_that_differ() -> None:
