@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from .design import Candidate, Task
 
 WORST_SHARE = 0.25  # of the worst start in the cost, beside the mean
-FINER_SHARE = 0.1  # of the same for half the tolerance: what comes after settling must not be traded away
+FINER_SHARE = 0.03  # of the same for half the tolerance: what comes after settling must not be traded away
 FLOW_ACCURACY = 1e-3  # relative, of the averaged flow
 LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
 STEP = 0.5  # s between the points at which a rollout is looked at

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import logging
 import math
+import statistics
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import Executor
 from typing import TYPE_CHECKING
 
@@ -23,27 +24,37 @@ if TYPE_CHECKING:
     from .design import Candidate, Progress, Task
 
 LOG = logging.getLogger(__name__)
+Point = NDArray[np.float64]  # what the strategy varies
+Make = Callable[[Point], "Candidate"]
 
 ORIGIN = "time-domain search"
 TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
-GENERATIONS = 120
-SHORT_GENERATIONS = 12  # of mode "fast"
+SIMULATED_VEHICLES = 2000  # in all starts together: a large fleet is searched on fewer
+SCALARS_STARTS = 12  # of those, for the scalars alone
+SHORT_GENERATIONS = 10  # between two choices, and of mode "fast"
 SHORT_STARTS = 8  # beside the fleet's own
 FIRST_SHARE = 0.4  # of the starts, on which the better half of a generation is chosen
-HOPELESS = 2.0  # times the best cost so far: a mean settling time beyond which a candidate is not run to the end
+EXPLORED = 240  # scalars tried at random
+SHORT_EXPLORED = 48
+EXPLORED_STARTS = 4
+EXPLORED_SPREAD = 1.0  # around the incumbents, in logarithms
+BATCH = 24  # of them at a time: what is found limits how long the next are simulated
 POPULATION = 12
 ROLES_POPULATION = 24  # more numbers, and noise: near the same gains, chaotic motion takes other times
-HORIZON = 4.0  # times the best cost so far
+HORIZON = 6.0  # times the least mean settling time so far
+LEAST_HORIZON = 60.0  # s
+HOPELESS = 0.5  # of the horizon: a mean settling time beyond which a candidate is not run to the end
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
-BASINS = 3
+BASINS = 8
+ROUNDS = 12
 SCALARS = 6
-SCALARS_SHARE = 0.25  # of the time, for the scalars alone
+SCALARS_SHARE = 0.3  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
 ROLES_GENERATIONS = 400
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
-APART = 0.3  # in logarithms: beginnings nearer than this lead to the same place
+APART = 0.5  # in logarithms: beginnings nearer than this lead to the same place
 
 
 def search(
@@ -57,24 +68,30 @@ def search(
 ) -> list[Candidate]:
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
-    The landscape has many basins: the first BASINS incumbents that differ get SHORT_GENERATIONS generations each, and
-    the best of them goes on with the scalars for SCALARS_SHARE of the time, then with every gain of every role.
-    With `short` the first incumbent is all. An interrupt ends it with what it has. For one seed the generations are
-    the same: only the clock can change the result.
+    The landscape has many basins: the incumbents and random scalars around them are tried, the best BASINS go on for
+    SHORT_GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
+    with every gain of every role, and where that converges, the next best follows.
+    With `short` fewer are tried, the best goes on for SHORT_GENERATIONS, and that is all.
+    An interrupt ends it with what it has. For one seed the generations are the same: only the clock can change the
+    result.
     """
-    begins = _distinct(incumbents)[: 1 if short else BASINS]
     starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1)
+    trials = _Trials(task, starts[: max(1, SIMULATED_VEHICLES // len(task.fleet))], horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
+    kept: list[Candidate] = []
     try:
-        for begin in begins:  # none where only the convex programs found something: there are no scalars to vary
-            runs.append(_Run(task, _fleet_wide(task), begin.logarithms(), starts, horizon, executor))
-            runs[-1].advance(SHORT_GENERATIONS, first, progress)
-        if runs and not short:
-            best = min(runs, key=lambda run: run.best)
-            best.advance(GENERATIONS, first, progress)
-            if len(task.fleet) <= ROLES_VEHICLES:
-                runs.append(best.continued(*_per_role(task)))
+        kept = _explored(trials, incumbents, SHORT_EXPLORED if short else EXPLORED, first, progress)
+        for begin in _distinct(kept)[: 1 if short else BASINS]:  # none where only convex programs found gains
+            runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
+        _halve(runs, 1 if short else ROUNDS, first, progress)
+        if not short:
+            found = [*(found for run in runs for found in run.finds()), *kept[:ELITE]]
+            kept, runs = _sorted(found, trials.costs(found, len(trials.starts))), []
+            make, more = _per_role(task)
+            for begin in _distinct(kept) if len(task.fleet) <= ROLES_VEHICLES else []:
+                point = np.concatenate([begin.logarithms(), np.zeros(more)])
+                runs.append(_Run(trials, make, point, len(trials.starts), ROLES_POPULATION, ROLES_SPREAD))
                 runs[-1].advance(ROLES_GENERATIONS, deadline, progress)
     except KeyboardInterrupt:
         if short:
@@ -82,7 +99,65 @@ def search(
         LOG.warning("time-domain search: interrupted; the best so far is kept")
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
-    return [*(found for run in runs for found in run.finds()), *incumbents]
+    return [*(found for run in runs for found in run.finds()), *kept[:ELITE], *incumbents]
+
+
+def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Progress) -> None:
+    """Advance all runs, then the better half, then the better half of those, and so on; in the end the best alone."""
+    for _ in range(rounds):
+        for run in runs:
+            run.advance(SHORT_GENERATIONS, deadline, progress)
+        runs = sorted(runs, key=lambda run: run.best)[: math.ceil(len(runs) / 2)]
+
+
+class _Trials:
+    """Simulates candidates over common starts, only as far as the best so far makes worth while."""
+
+    def __init__(self, task: Task, starts: Sequence[State], horizon: float, executor: Executor | None) -> None:
+        self.task, self.starts, self.horizon, self._executor = task, starts, horizon, executor
+
+    def measured(self, candidates: dict[int, Candidate], first: int, last: int) -> dict[int, list[Run]]:
+        """What simulation from starts `first` to `last` says of numbered candidates."""
+        hopeless = HOPELESS * self.horizon
+        runs = measure_all(
+            self.task, list(candidates.values()), self.starts[first:last], self.horizon, self._executor, hopeless
+        )
+        return dict(zip(candidates, runs, strict=True))
+
+    def learn(self, measurements: Iterable[list[Run]]) -> None:
+        """Shorten the horizon by what was measured."""
+        means = (statistics.fmean(run.time for run in runs) for runs in measurements)
+        self.horizon = min([self.horizon, *(max(LEAST_HORIZON, HORIZON * mean) for mean in means)])
+
+    def costs(self, candidates: Sequence[Candidate], starts: int) -> list[float]:
+        """The cost of every candidate over the first `starts` of the starts, s."""
+        measured = self.measured(dict(enumerate(candidates)), 0, starts).values()
+        costs = [cost(runs, self.horizon) for runs in measured]
+        self.learn(measured)
+        return costs
+
+
+def _explored(
+    trials: _Trials, incumbents: Sequence[Candidate], tried: int, deadline: Deadline, progress: Progress
+) -> list[Candidate]:
+    """The incumbents that have scalars and `tried` random ones around them, by cost over a few starts."""
+    make, random = _fleet_wide(trials.task), np.random.default_rng(trials.task.seed)
+    batch = [candidate for candidate in incumbents if candidate.scalars]
+    centres = [scalars.logarithms() for scalars in _distinct(batch)]
+    found: list[Candidate] = []
+    costs: list[float] = []
+    while batch and not deadline.passed:
+        costs += trials.costs(batch, EXPLORED_STARTS)
+        found += batch
+        progress("searching: random scalars", min(1.0, len(found) / tried))
+        count = max(0, min(BATCH, tried - len(found)))
+        points = random.choice(centres, count) + EXPLORED_SPREAD * random.standard_normal((count, SCALARS))
+        batch = [candidate for point in points if (candidate := _possible(make, point))]
+    return _sorted(found, costs)
+
+
+def _sorted(candidates: Sequence[Candidate], costs: Sequence[float]) -> list[Candidate]:
+    return [candidates[k] for k in np.argsort(costs, kind="stable")]
 
 
 def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
@@ -94,15 +169,12 @@ def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
     return kept
 
 
-Point = NDArray[np.float64]  # what the strategy varies
-
-
-def _fleet_wide(task: Task) -> Callable[[Point], Candidate]:
+def _fleet_wide(task: Task) -> Make:
     """Points are the logarithms of the scalars."""
     return lambda point: task.candidate(ORIGIN, Scalars.from_logarithms(point))
 
 
-def _per_role(task: Task) -> tuple[Callable[[Point], Candidate], int]:
+def _per_role(task: Task) -> tuple[Make, int]:
     """Points go on with the logarithms of factors on the gains of every role but the first.
 
     Also says how many numbers those are.
@@ -117,27 +189,34 @@ def _per_role(task: Task) -> tuple[Callable[[Point], Candidate], int]:
     return make, others * kinds
 
 
+def _possible(make: Make, point: Point) -> Candidate | None:
+    """The candidate at a point of the search, None where rounding leaves no gains."""
+    try:
+        return make(point)
+    except UndecidedError:
+        return None
+
+
 class _Run:
     """One run of CMA-ES from its own beginning, and the best that it has met."""
 
     def __init__(
         self,
-        task: Task,
-        make: Callable[[Point], Candidate],
+        trials: _Trials,
+        make: Make,
         begin: Point,
-        starts: Sequence[State],
-        horizon: float,
-        executor: Executor | None,
+        starts: int,
         population: int = POPULATION,
         spread: float = SPREAD,
     ) -> None:
+        """Begin; candidates are measured over the first `starts` of the starts."""
         import cma
 
-        self._task, self._make, self._starts, self._horizon, self._executor = task, make, starts, horizon, executor
+        self._trials, self._make, self._starts = trials, make, min(starts, len(trials.starts))
         self._elite: list[tuple[float, Candidate, Point]] = []
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
-            options = {"seed": task.seed + 1, "popsize": population, "verbose": -9}
+            options = {"seed": trials.task.seed + 1, "popsize": population, "verbose": -9}
             self._strategy = cma.CMAEvolutionStrategy(begin, spread, options)
 
     @property
@@ -145,55 +224,41 @@ class _Run:
         """The least cost so far, s."""
         return self._elite[0][0] if self._elite else math.inf
 
-    def continued(self, make: Callable[[Point], Candidate], more: int) -> _Run:
-        """A run from the best point of this one, with `more` numbers besides that begin at 0."""
-        begin = np.concatenate([self._elite[0][2] if self._elite else self._strategy.mean, np.zeros(more)])
-        return _Run(
-            self._task, make, begin, self._starts, self._horizon, self._executor, ROLES_POPULATION, ROLES_SPREAD
-        )
+    @property
+    def converged(self) -> bool:
+        """Whether the strategy has nothing more to try."""
+        return bool(self._strategy.stop())
 
     def finds(self) -> list[Candidate]:
         """The centre of the last generation and the best candidates; none before the first generation."""
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
-        centre = self._candidate(self._strategy.mean) if self._elite else None
+        centre = _possible(self._make, self._strategy.mean) if self._elite else None
         return [*([centre] if centre else []), *(candidate for _, candidate, _ in self._elite)]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
         """Some generations more, as long as there is time and the strategy has not converged."""
         for generation in range(generations):
-            if deadline.passed or self._strategy.stop():
+            if deadline.passed or self.converged:
                 return
             self._generation()
             done = max((generation + 1) / generations, deadline.share)
             progress(f"searching: {self.best:.0f} s on the training starts", done)
 
     def _generation(self) -> None:
-        points = self._strategy.ask()
-        candidates = {k: found for k, point in enumerate(points) if (found := self._candidate(point))}
-        few = math.ceil(FIRST_SHARE * len(self._starts))
-        first = self._measured(candidates, self._starts[:few])
-        costs = {k: cost(one, self._horizon) for k, one in first.items()}
+        points = [np.asarray(point) for point in self._strategy.ask()]
+        candidates = {k: found for k, point in enumerate(points) if (found := _possible(self._make, point))}
+        few = math.ceil(FIRST_SHARE * self._starts)
+        horizon = self._trials.horizon
+        first = self._trials.measured(candidates, 0, few)
+        costs = {k: cost(one, horizon) for k, one in first.items()}
         # The strategy learns from the order, mostly of the better half: only that half goes on to the other starts.
         better = sorted(costs, key=costs.__getitem__)[: math.ceil(len(points) / 2)]
-        rest = self._measured({k: candidates[k] for k in better}, self._starts[few:])
-        whole = {k: cost(first[k] + one, self._horizon) for k, one in rest.items()}
+        rest = self._trials.measured({k: candidates[k] for k in better}, few, self._starts)
+        runs = {k: first[k] + one for k, one in rest.items()}
+        whole = {k: cost(one, horizon) for k, one in runs.items()}
         behind = max(whole.values(), default=0.0)
         told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
-        self._strategy.tell(points, [math.log(told.get(k, USELESS)) for k in range(len(points))])
+        self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
         met = [*self._elite, *((value, candidates[k], points[k]) for k, value in whole.items())]
         self._elite = sorted(met, key=lambda one: one[0])[:ELITE]
-        self._horizon = min(self._horizon, HORIZON * self.best)
-
-    def _measured(self, candidates: dict[int, Candidate], starts: Sequence[State]) -> dict[int, list[Run]]:
-        """What simulation says of numbered candidates; those that are hopeless are not run to the end."""
-        measured = measure_all(
-            self._task, list(candidates.values()), starts, self._horizon, self._executor, HOPELESS * self.best
-        )
-        return dict(zip(candidates, measured, strict=True))
-
-    def _candidate(self, point: Point) -> Candidate | None:
-        """The candidate at a point of the search, None where rounding leaves no gains."""
-        try:
-            return self._make(np.asarray(point))
-        except UndecidedError:
-            return None
+        self._trials.learn(runs.values())

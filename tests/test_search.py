@@ -18,7 +18,7 @@ from gaincert.models.starts import scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
 from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
-from gaincert.synthesis.rollout import Rollout, Settling, Tolerance
+from gaincert.synthesis.rollout import Deadline, Rollout, Settling, Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 
@@ -28,10 +28,9 @@ ROOT = Path(__file__).parent.parent
 @pytest.mark.slow
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("GENERATIONS", "ROLES_GENERATIONS"):
+    for name in ("BASINS", "ROUNDS", "ROLES_GENERATIONS", "SHORT_GENERATIONS", "TRAINING_STARTS"):
         monkeypatch.setattr(search_module, name, 2)
-    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
-    monkeypatch.setattr(search_module, "TRAINING_STARTS", 2)
+    monkeypatch.setattr(search_module, "EXPLORED", 12)
     asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
     with local() as (executor, _):
         fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
@@ -112,6 +111,46 @@ def test_the_search_begins_in_basins_that_differ() -> None:
     near, far = (replace(FALLBACK, e=value) for value in (FALLBACK.e * 1.1, FALLBACK.e * 3))
     candidates = [SimpleNamespace(scalars=scalars) for scalars in (FALLBACK, None, near, far)]
     assert search_module._distinct(candidates) == [FALLBACK, far]
+
+
+def test_random_scalars_are_tried_around_the_incumbents(monkeypatch: pytest.MonkeyPatch) -> None:
+    """All of them come back, least cost first, the incumbents too; the same seed tries the same."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    incumbent = task.candidate("here", FALLBACK)
+
+    def found() -> list[Any]:
+        trials = search_module._Trials(task, task.starts(1, 1), 60.0, None)
+        monkeypatch.setattr(trials, "costs", lambda batch, _starts: [abs(one.scalars.e - 1.0) for one in batch])
+        return search_module._explored(trials, [incumbent], 50, Deadline(100.0), lambda *_: None)
+
+    candidates = found()
+    distances = [abs(candidate.scalars.e - 1.0) for candidate in candidates]
+    assert incumbent in candidates
+    assert len(candidates) == 50
+    assert distances == sorted(distances)
+    assert [one.scalars for one in candidates] == [one.scalars for one in found()]
+
+
+def test_the_better_half_of_the_runs_goes_on() -> None:
+    class Counted:
+        def __init__(self, best: float) -> None:
+            self.best, self.advances = best, 0
+
+        def advance(self, *_: object) -> None:
+            self.advances += 1
+
+    runs = [Counted(best) for best in (3.0, 1.0, 4.0, 2.0, 5.0)]
+    search_module._halve(runs, 5, Deadline(100.0), lambda *_: None)
+    assert [run.advances for run in runs] == [2, 5, 1, 3, 1]
+
+
+def test_a_fleet_that_is_settled_from_the_start_leaves_a_horizon() -> None:
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    trials = search_module._Trials(task, [], 300.0, None)
+    trials.learn([[NEVER, NEVER], [Run(20.0, 30.0, 0.5)] * 2])
+    assert trials.horizon == search_module.HORIZON * 20.0
+    trials.learn([[Run(0.0, 0.0, 0.1)]])
+    assert trials.horizon == search_module.LEAST_HORIZON
 
 
 def test_starts_are_drawn_from_the_box_that_is_asked_for() -> None:
