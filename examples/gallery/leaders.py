@@ -1,5 +1,9 @@
-"""How much a fleet gains from hearing the leader: the slowest mode of D^-1 L_l for more and more leader links."""
+"""How much a fleet gains from hearing the leader: the slowest mode of D^-1 L_l for more and more leader links.
 
+The fleet is the file that is named, else the ring of ten robots.
+"""
+
+import sys
 from fractions import Fraction
 from pathlib import Path
 
@@ -7,7 +11,9 @@ from gaincert.models.fleet import Fleet, Links
 from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.weight_design import design_weights
 
-fleet = Fleet.load(Path(__file__).parent.parent / "mixed_ring.toml")
+RING = Path(__file__).parent.parent / "mixed_ring.toml"
+
+fleet = Fleet.load(Path(sys.argv[1]) if len(sys.argv) > 1 else RING)
 
 
 def slowest(links: Links) -> float:
@@ -16,8 +22,8 @@ def slowest(links: Links) -> float:
 
 
 print("vehicles that hear the leader, lambda_1")
-for count in (1, 2, 5, 10):
+for count in sorted({1, 2, len(fleet) // 2, len(fleet)} - {0}):
     led = dict.fromkeys(fleet.names[:count], Fraction(1))
     print(f"{count:29}  {slowest(Links(edges=fleet.links.edges, leader_links=led)):.3f}")
-print(f"as in the file, 4 of them      {slowest(fleet.links):.3f}")
-print(f"the same 4, designed weights   {slowest(design_weights(fleet)):.3f}")
+print(f"as in the file, {len(fleet.links.leader_links)} of them      {slowest(fleet.links):.3f}")
+print(f"the same {len(fleet.links.leader_links)}, designed weights   {slowest(design_weights(fleet)):.3f}")
