@@ -47,6 +47,7 @@ HOPELESS = 0.5  # of the horizon: a mean settling time beyond which a candidate 
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 8
+FINALISTS = 2  # runs whose finds are ranked in the end
 ROUNDS = 12
 SCALARS = 6
 SCALARS_SHARE = 0.3  # of the time, for the scalars alone
@@ -99,7 +100,9 @@ def search(
         LOG.warning("time-domain search: interrupted; the best so far is kept")
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
-    return [*(found for run in runs for found in run.finds()), *kept[:ELITE], *incumbents]
+    best = sorted(runs, key=lambda run: run.best)[:FINALISTS]
+    tried = [] if short else [candidate for candidate in kept[:ELITE] if candidate not in incumbents]
+    return [*(found for run in best for found in run.finds()), *tried, *incumbents]
 
 
 def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Progress) -> None:
