@@ -163,10 +163,10 @@ def _sorted(candidates: Sequence[Candidate], costs: Sequence[float]) -> list[Can
     return [candidates[k] for k in np.argsort(costs, kind="stable")]
 
 
-def _distinct(incumbents: Sequence[Candidate]) -> list[Scalars]:
-    """The scalars of the incumbents in their order, but for those within APART of an earlier one."""
+def _distinct(candidates: Sequence[Candidate]) -> list[Scalars]:
+    """The scalars of the candidates in their order, but for those within APART of an earlier one."""
     kept: list[Scalars] = []
-    for scalars in (candidate.scalars for candidate in incumbents if candidate.scalars):
+    for scalars in (candidate.scalars for candidate in candidates if candidate.scalars):
         if all(np.abs(scalars.logarithms() - other.logarithms()).max() > APART for other in kept):
             kept.append(scalars)
     return kept

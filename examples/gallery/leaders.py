@@ -22,8 +22,9 @@ def slowest(links: Links) -> float:
 
 
 print("vehicles that hear the leader, lambda_1")
-for count in sorted({1, 2, len(fleet) // 2, len(fleet)} - {0}):
+for count in sorted({count for count in (1, 2, len(fleet) // 2, len(fleet)) if 1 <= count <= len(fleet)}):
     led = dict.fromkeys(fleet.names[:count], Fraction(1))
     print(f"{count:29}  {slowest(Links(edges=fleet.links.edges, leader_links=led)):.3f}")
-print(f"as in the file, {len(fleet.links.leader_links)} of them      {slowest(fleet.links):.3f}")
-print(f"the same {len(fleet.links.leader_links)}, designed weights   {slowest(design_weights(fleet)):.3f}")
+own = len(fleet.links.leader_links)
+print(f"as in the file, {own} of them      {slowest(fleet.links):.3f}")
+print(f"the same {own}, designed weights   {slowest(design_weights(fleet)):.3f}")
