@@ -118,10 +118,11 @@ class Task:
         """What psi's frequency may be multiplied by."""
         return FREQUENCY_RANGE if self.excitation_designed else (1.0, 1.0)
 
-    def starts(self, count: int, seed: int) -> list[State]:
-        """The fleet's own start, if it has one, and `count` random ones."""
+    def starts(self, count: int, seed: int, vehicles: int | None = None) -> list[State]:
+        """The fleet's own start, if it has one, and `count` random ones; with at most `vehicles` in all, but one."""
         own = self.fleet.start()
-        return [*([] if own is None else [own]), *random_starts(self.fleet, count, seed, self.half_width)]
+        starts = [*([] if own is None else [own]), *random_starts(self.fleet, count, seed, self.half_width)]
+        return starts if vehicles is None else starts[: max(1, vehicles // len(self.fleet))]
 
 
 def design(
@@ -167,14 +168,14 @@ def design(
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    starts = task.starts(RANKING_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
+    starts = task.starts(RANKING_STARTS, seed, RANKED_VEHICLES)
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
         from .search import search
 
         limit = time_limit if mode == "best" else FAST_SECONDS
         finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
-        starts = task.starts(FINAL_STARTS, seed)[: max(1, RANKED_VEHICLES // len(fleet))]
+        starts = task.starts(FINAL_STARTS, seed, RANKED_VEHICLES)
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
     best = ranked[0]
     return Design(

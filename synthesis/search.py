@@ -29,9 +29,10 @@ Make = Callable[[Point], "Candidate"]
 
 ORIGIN = "time-domain search"
 TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
+OTHER_STARTS = 64  # on which what a run met is compared: the training starts flatter it
 SIMULATED_VEHICLES = 2000  # in all starts together: a large fleet is searched on fewer
 SCALARS_STARTS = 12  # of those, for the scalars alone
-SHORT_GENERATIONS = 10  # between two choices, and of mode "fast"
+SHORT_GENERATIONS = 10  # between two comparisons, and of mode "fast"
 SHORT_STARTS = 8  # beside the fleet's own
 FIRST_SHARE = 0.4  # of the starts, on which the better half of a generation is chosen
 EXPLORED = 240  # scalars tried at random
@@ -52,7 +53,7 @@ ROUNDS = 12
 SCALARS = 6
 SCALARS_SHARE = 0.3  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
-ROLES_GENERATIONS = 400
+ROLES_ROUNDS = 40
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.5  # in logarithms: beginnings nearer than this lead to the same place
@@ -76,8 +77,9 @@ def search(
     An interrupt ends it with what it has. For one seed the generations are the same: only the clock can change the
     result.
     """
-    starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1)
-    trials = _Trials(task, starts[: max(1, SIMULATED_VEHICLES // len(task.fleet))], horizon, executor)
+    starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1, SIMULATED_VEHICLES)
+    others = starts if short else task.starts(OTHER_STARTS, task.seed + 2, SIMULATED_VEHICLES)
+    trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
     kept: list[Candidate] = []
@@ -87,13 +89,10 @@ def search(
             runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
         _halve(runs, 1 if short else ROUNDS, first, progress)
         if not short:
-            found = [*(found for run in runs for found in run.finds()), *kept[:ELITE]]
-            kept, runs = _sorted(found, trials.costs(found, len(trials.starts))), []
-            make, more = _per_role(task)
-            for begin in _distinct(kept) if len(task.fleet) <= ROLES_VEHICLES else []:
-                point = np.concatenate([begin.logarithms(), np.zeros(more)])
-                runs.append(_Run(trials, make, point, len(trials.starts), ROLES_POPULATION, ROLES_SPREAD))
-                runs[-1].advance(ROLES_GENERATIONS, deadline, progress)
+            kept = trials.ranked([*(found for run in runs for found in run.finds()), *kept[:ELITE]])
+            runs = []
+            if len(task.fleet) <= ROLES_VEHICLES:
+                _search_roles(trials, _distinct(kept), runs, deadline, progress)
     except KeyboardInterrupt:
         if short:
             raise
@@ -113,18 +112,43 @@ def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Prog
         runs = sorted(runs, key=lambda run: run.best)[: math.ceil(len(runs) / 2)]
 
 
+def _search_roles(
+    trials: _Trials, begins: Sequence[Scalars], runs: list[_Run], deadline: Deadline, progress: Progress
+) -> None:
+    """Go on with the gains of every role from one beginning until that converges, then from the next.
+
+    The runs are appended to `runs`, which an interrupt leaves as far as they came.
+    """
+    make, more = _per_role(trials.task)
+    for begin in begins:
+        point = np.concatenate([begin.logarithms(), np.zeros(more)])
+        run = _Run(trials, make, point, len(trials.starts), ROLES_POPULATION, ROLES_SPREAD)
+        runs.append(run)
+        for _ in range(ROLES_ROUNDS):
+            run.advance(SHORT_GENERATIONS, deadline, progress)
+
+
 class _Trials:
-    """Simulates candidates over common starts, only as far as the best so far makes worth while."""
+    """Simulates candidates over common starts, only as far as the best so far makes worth while.
 
-    def __init__(self, task: Task, starts: Sequence[State], horizon: float, executor: Executor | None) -> None:
-        self.task, self.starts, self.horizon, self._executor = task, starts, horizon, executor
+    The strategies learn from `starts`; what they met is compared over `others`.
+    """
 
-    def measured(self, candidates: dict[int, Candidate], first: int, last: int) -> dict[int, list[Run]]:
-        """What simulation from starts `first` to `last` says of numbered candidates."""
+    def __init__(
+        self,
+        task: Task,
+        starts: Sequence[State],
+        others: Sequence[State],
+        horizon: float,
+        executor: Executor | None,
+    ) -> None:
+        self.task, self.starts, self.others = task, starts, others
+        self.horizon, self._executor = horizon, executor
+
+    def measured(self, candidates: dict[int, Candidate], starts: Sequence[State]) -> dict[int, list[Run]]:
+        """What simulation from some starts says of numbered candidates."""
         hopeless = HOPELESS * self.horizon
-        runs = measure_all(
-            self.task, list(candidates.values()), self.starts[first:last], self.horizon, self._executor, hopeless
-        )
+        runs = measure_all(self.task, list(candidates.values()), starts, self.horizon, self._executor, hopeless)
         return dict(zip(candidates, runs, strict=True))
 
     def learn(self, measurements: Iterable[list[Run]]) -> None:
@@ -132,12 +156,16 @@ class _Trials:
         means = (statistics.fmean(run.time for run in runs) for runs in measurements)
         self.horizon = min([self.horizon, *(max(LEAST_HORIZON, HORIZON * mean) for mean in means)])
 
-    def costs(self, candidates: Sequence[Candidate], starts: int) -> list[float]:
-        """The cost of every candidate over the first `starts` of the starts, s."""
-        measured = self.measured(dict(enumerate(candidates)), 0, starts).values()
+    def costs(self, candidates: Sequence[Candidate], starts: Sequence[State]) -> list[float]:
+        """The cost of every candidate over some starts, s."""
+        measured = self.measured(dict(enumerate(candidates)), starts).values()
         costs = [cost(runs, self.horizon) for runs in measured]
         self.learn(measured)
         return costs
+
+    def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        """The candidates by cost over the other starts, least first."""
+        return _sorted(candidates, self.costs(candidates, self.others))
 
 
 def _explored(
@@ -150,7 +178,7 @@ def _explored(
     found: list[Candidate] = []
     costs: list[float] = []
     while batch and not deadline.passed:
-        costs += trials.costs(batch, EXPLORED_STARTS)
+        costs += trials.costs(batch, trials.starts[:EXPLORED_STARTS])
         found += batch
         progress("searching: random scalars", min(1.0, len(found) / tried))
         count = max(0, min(BATCH, tried - len(found)))
@@ -212,11 +240,12 @@ class _Run:
         population: int = POPULATION,
         spread: float = SPREAD,
     ) -> None:
-        """Begin; candidates are measured over the first `starts` of the starts."""
+        """Begin; the strategy learns from the first `starts` of the training starts."""
         import cma
 
-        self._trials, self._make, self._starts = trials, make, min(starts, len(trials.starts))
-        self._elite: list[tuple[float, Candidate, Point]] = []
+        self._trials, self._make, self._starts = trials, make, trials.starts[:starts]
+        self._elite: list[tuple[float, Candidate]] = []
+        self._met: list[Candidate] = []  # the centre of the last generation and its best
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
             options = {"seed": trials.task.seed + 1, "popsize": population, "verbose": -9}
@@ -233,35 +262,39 @@ class _Run:
         return bool(self._strategy.stop())
 
     def finds(self) -> list[Candidate]:
-        """The centre of the last generation and the best candidates; none before the first generation."""
-        # The centre owes less to luck than the best: far from the goal the motion is chaotic.
-        centre = _possible(self._make, self._strategy.mean) if self._elite else None
-        return [*([centre] if centre else []), *(candidate for _, candidate, _ in self._elite)]
+        """The best candidates, and those not compared yet; none before the first generation."""
+        return [*(candidate for _, candidate in self._elite), *self._met]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
-        """Some generations more, as long as there is time and the strategy has not converged."""
+        """Some generations more, as long as there is time and the strategy has not converged, then a comparison."""
+        before = self._strategy.countiter
         for generation in range(generations):
             if deadline.passed or self.converged:
-                return
+                break
             self._generation()
-            done = max((generation + 1) / generations, deadline.share)
-            progress(f"searching: {self.best:.0f} s on the training starts", done)
+            cost_so_far = f": {self.best:.0f} s" if self._elite else ""
+            progress(f"searching{cost_so_far}", max((generation + 1) / generations, deadline.share))
+        if self._strategy.countiter > before:
+            costs = self._trials.costs(self._met, self._trials.others)
+            met = zip(costs, self._met, strict=True)
+            self._elite, self._met = sorted([*self._elite, *met], key=lambda one: one[0])[:ELITE], []
 
     def _generation(self) -> None:
         points = [np.asarray(point) for point in self._strategy.ask()]
         candidates = {k: found for k, point in enumerate(points) if (found := _possible(self._make, point))}
-        few = math.ceil(FIRST_SHARE * self._starts)
+        few = math.ceil(FIRST_SHARE * len(self._starts))
         horizon = self._trials.horizon
-        first = self._trials.measured(candidates, 0, few)
+        first = self._trials.measured(candidates, self._starts[:few])
         costs = {k: cost(one, horizon) for k, one in first.items()}
         # The strategy learns from the order, mostly of the better half: only that half goes on to the other starts.
         better = sorted(costs, key=costs.__getitem__)[: math.ceil(len(points) / 2)]
-        rest = self._trials.measured({k: candidates[k] for k in better}, few, self._starts)
+        rest = self._trials.measured({k: candidates[k] for k in better}, self._starts[few:])
         runs = {k: first[k] + one for k, one in rest.items()}
         whole = {k: cost(one, horizon) for k, one in runs.items()}
         behind = max(whole.values(), default=0.0)
         told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
         self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
-        met = [*self._elite, *((value, candidates[k], points[k]) for k, value in whole.items())]
-        self._elite = sorted(met, key=lambda one: one[0])[:ELITE]
+        # The centre owes less to luck than the best: far from the goal the motion is chaotic.
+        centre = _possible(self._make, self._strategy.mean)
+        self._met = [*([centre] if centre else []), *(candidates[k] for k in sorted(whole, key=whole.__getitem__)[:1])]
         self._trials.learn(runs.values())

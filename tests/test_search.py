@@ -2,6 +2,7 @@
 
 import os
 import signal
+import statistics
 import subprocess
 import sys
 import time
@@ -28,7 +29,7 @@ ROOT = Path(__file__).parent.parent
 @pytest.mark.slow
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("BASINS", "ROUNDS", "ROLES_GENERATIONS", "SHORT_GENERATIONS", "TRAINING_STARTS"):
+    for name in ("BASINS", "ROUNDS", "ROLES_ROUNDS", "SHORT_GENERATIONS", "TRAINING_STARTS", "OTHER_STARTS"):
         monkeypatch.setattr(search_module, name, 2)
     monkeypatch.setattr(search_module, "EXPLORED", 12)
     asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
@@ -67,6 +68,20 @@ def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
     assert cost(good, 100.0) < cost(bad, 100.0) < float("inf")
     endless = [good[0], good[1]._replace(finer=float("inf"))]
     assert cost(good, 100.0) < cost(endless, 100.0) < float("inf")
+
+
+def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
+    """The same starts twice cost the same: what many starts say and what few say can be compared."""
+    runs = [Run(10.0 * k, 15.0 * k, 0.5) for k in range(1, 9)]
+    assert cost(runs * 2, 1000.0) == pytest.approx(cost(runs, 1000.0), rel=1e-12)
+
+
+def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
+    """Half the tolerance far beyond the mean settling time of a single start, where the mean alone hides it."""
+    runs = [Run(40.0, 60.0, 0.5)] * 32
+    late, many = ([runs[0]._replace(finer=time)] * count for time, count in ((1060.0, 1), (91.25, 32)))
+    assert statistics.fmean(run.finer for run in [*late, *runs[1:]]) == statistics.fmean(run.finer for run in many)
+    assert cost([*late, *runs[1:]], 1000.0) > cost(many, 1000.0) + 10
 
 
 @pytest.mark.slow
@@ -119,7 +134,7 @@ def test_random_scalars_are_tried_around_the_incumbents(monkeypatch: pytest.Monk
     incumbent = task.candidate("here", FALLBACK)
 
     def found() -> list[Any]:
-        trials = search_module._Trials(task, task.starts(1, 1), 60.0, None)
+        trials = search_module._Trials(task, task.starts(1, 1), [], 60.0, None)
         monkeypatch.setattr(trials, "costs", lambda batch, _starts: [abs(one.scalars.e - 1.0) for one in batch])
         return search_module._explored(trials, [incumbent], 50, Deadline(100.0), lambda *_: None)
 
@@ -146,7 +161,7 @@ def test_the_better_half_of_the_runs_goes_on() -> None:
 
 def test_a_fleet_that_is_settled_from_the_start_leaves_a_horizon() -> None:
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    trials = search_module._Trials(task, [], 300.0, None)
+    trials = search_module._Trials(task, [], [], 300.0, None)
     trials.learn([[NEVER, NEVER], [Run(20.0, 30.0, 0.5)] * 2])
     assert trials.horizon == search_module.HORIZON * 20.0
     trials.learn([[Run(0.0, 0.0, 0.1)]])
