@@ -130,7 +130,7 @@ ExcitationOption = Annotated[
 ]
 WeightsOption = Annotated[Source, typer.Option(help="a_ij and a_il of the fleet file, or better ones on its links")]
 Seed = Annotated[int, typer.Option(min=0, help="of the random starts and of the search")]
-TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock for --mode best")]
+TimeLimit = Annotated[float, typer.Option(min=1, help="s of wall clock that --mode best searches for")]
 Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
 Horizon = Annotated[float | None, typer.Option(min=0.1, max=1e6, help="s [default: until settled and a while longer]")]
 Box = Annotated[

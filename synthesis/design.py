@@ -150,7 +150,7 @@ def design(
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
         digits: significant digits of every gain.
-        time_limit: s of wall clock for mode "best".
+        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the last ranking.
         tolerance: what counts as settled.
         box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
         executor: where rollouts run; None runs them here.

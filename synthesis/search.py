@@ -78,7 +78,7 @@ def search(
     result.
     """
     starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1, SIMULATED_VEHICLES)
-    others = starts if short else task.starts(OTHER_STARTS, task.seed + 2, SIMULATED_VEHICLES)
+    others = [] if short else task.starts(OTHER_STARTS, task.seed + 2, SIMULATED_VEHICLES)
     trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
@@ -131,7 +131,7 @@ def _search_roles(
 class _Trials:
     """Simulates candidates over common starts, only as far as the best so far makes worth while.
 
-    The strategies learn from `starts`; what they met is compared over `others`.
+    The strategies learn from `starts`; what they met is compared over `others`, where there are any.
     """
 
     def __init__(
@@ -245,6 +245,7 @@ class _Run:
 
         self._trials, self._make, self._starts = trials, make, trials.starts[:starts]
         self._elite: list[tuple[float, Candidate]] = []
+        self._trained: list[tuple[float, Candidate]] = []  # the best of all generations on the training starts
         self._met: list[Candidate] = []  # the centre of the last generation and its best
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
@@ -274,10 +275,11 @@ class _Run:
             self._generation()
             cost_so_far = f": {self.best:.0f} s" if self._elite else ""
             progress(f"searching{cost_so_far}", max((generation + 1) / generations, deadline.share))
-        if self._strategy.countiter > before:
+        if not self._trials.others:
+            self._elite = self._trained
+        elif self._strategy.countiter > before:
             costs = self._trials.costs(self._met, self._trials.others)
-            met = zip(costs, self._met, strict=True)
-            self._elite, self._met = sorted([*self._elite, *met], key=lambda one: one[0])[:ELITE], []
+            self._elite, self._met = _least([*self._elite, *zip(costs, self._met, strict=True)]), []
 
     def _generation(self) -> None:
         points = [np.asarray(point) for point in self._strategy.ask()]
@@ -294,7 +296,14 @@ class _Run:
         behind = max(whole.values(), default=0.0)
         told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
         self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
+        best = _least([(value, candidates[k]) for k, value in whole.items()])
+        self._trained = _least([*self._trained, *best])
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
         centre = _possible(self._make, self._strategy.mean)
-        self._met = [*([centre] if centre else []), *(candidates[k] for k in sorted(whole, key=whole.__getitem__)[:1])]
+        self._met = [*([centre] if centre else []), *(candidate for _, candidate in best[:1])]
         self._trials.learn(runs.values())
+
+
+def _least(found: Sequence[tuple[float, Candidate]]) -> list[tuple[float, Candidate]]:
+    """The ELITE of least cost, least first."""
+    return sorted(found, key=lambda one: one[0])[:ELITE]
