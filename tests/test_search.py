@@ -159,6 +159,28 @@ def test_the_better_half_of_the_runs_goes_on() -> None:
     assert [run.advances for run in runs] == [2, 5, 1, 3, 1]
 
 
+@pytest.mark.parametrize("others", [2, 0])
+def test_what_a_run_met_is_compared_over_starts_that_it_did_not_learn_from(others: int) -> None:
+    """Luck on the training starts decides only where there are no others, in mode "fast"."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    trials = search_module._Trials(task, task.starts(1, 1), task.starts(others, 2)[1:], 60.0, None)
+    run = search_module._Run(trials, search_module._fleet_wide(task), FALLBACK.logarithms(), 1)
+    lucky, good = (task.candidate(name, FALLBACK) for name in ("lucky", "good"))
+
+    def generation() -> None:
+        run._met, run._trained = [lucky, good], [(1.0, lucky), (2.0, good)]
+        run._strategy.countiter += 1
+
+    def costs(candidates: list[Any], starts: list[Any]) -> list[float]:
+        assert starts is trials.others
+        return [9.0 if candidate is lucky else 3.0 for candidate in candidates]
+
+    run._strategy, run._generation = SimpleNamespace(countiter=0, stop=dict), generation
+    trials.costs = costs  # type: ignore[method-assign]
+    run.advance(3, Deadline(100.0), lambda *_: None)
+    assert run.finds()[0] is (good if others else lucky)
+
+
 def test_a_fleet_that_is_settled_from_the_start_leaves_a_horizon() -> None:
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     trials = search_module._Trials(task, [], [], 300.0, None)
