@@ -179,6 +179,7 @@ def test_what_a_run_met_is_compared_over_starts_that_it_did_not_learn_from(other
     trials.costs = costs  # type: ignore[method-assign]
     run.advance(3, Deadline(100.0), lambda *_: None)
     assert run.finds()[0] is (good if others else lucky)
+    assert run.best == (3.0 if others else 1.0)
 
 
 def test_a_fleet_that_is_settled_from_the_start_leaves_a_horizon() -> None:
