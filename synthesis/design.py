@@ -18,7 +18,7 @@ from ..models.fleet import Fleet, Links, floats
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import decimal_text
-from ..models.starts import random_starts, scale
+from ..models.starts import Draw, random_starts, scale
 from .conditions import ConditionSet, condition_set
 from .excitation_design import at_frequency, flat_tones
 from .measure import cost, measure_all
@@ -30,6 +30,9 @@ from .structure import Scalars, structured, within
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
 FINAL_STARTS = 40  # the same, for the last choice
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
+CLOSEST = 6  # candidates among which mode "best" chooses once more: over few starts they differ by chance
+CLOSEST_STARTS = 160
+CLOSEST_VEHICLES = 1000
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 150.0  # of that search at most: a guard for busy machines, half a minute is usual
 LARGEST_BOX = 1e6  # m
@@ -118,10 +121,11 @@ class Task:
         """What psi's frequency may be multiplied by."""
         return FREQUENCY_RANGE if self.excitation_designed else (1.0, 1.0)
 
-    def starts(self, count: int, seed: int, vehicles: int | None = None) -> list[State]:
+    def starts(self, draw: Draw, count: int, vehicles: int | None = None) -> list[State]:
         """The fleet's own start, if it has one, and `count` random ones; with at most `vehicles` in all, but one."""
         own = self.fleet.start()
-        starts = [*([] if own is None else [own]), *random_starts(self.fleet, count, seed, self.half_width)]
+        drawn = random_starts(self.fleet, count, self.seed, self.half_width, draw)
+        starts = [*([] if own is None else [own]), *drawn]
         return starts if vehicles is None else starts[: max(1, vehicles // len(self.fleet))]
 
 
@@ -168,15 +172,18 @@ def design(
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    starts = task.starts(RANKING_STARTS, seed, RANKED_VEHICLES)
+    starts = task.starts(Draw.RANKING, RANKING_STARTS, RANKED_VEHICLES)
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
         from .search import search
 
         limit = time_limit if mode == "best" else FAST_SECONDS
         finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
-        starts = task.starts(FINAL_STARTS, seed, RANKED_VEHICLES)
+        starts = task.starts(Draw.RANKING, FINAL_STARTS, RANKED_VEHICLES)
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
+    if mode == "best":
+        starts = task.starts(Draw.LAST_CHOICE, CLOSEST_STARTS, CLOSEST_VEHICLES)
+        ranked, times = rank(task, ranked[:CLOSEST], starts, horizon, executor, progress)
     best = ranked[0]
     return Design(
         fleet=fleet,
