@@ -183,7 +183,10 @@ def design(
         ranked, times = rank(task, finalists, starts, horizon, executor, progress)
     if mode == "best":
         starts = task.starts(Draw.LAST_CHOICE, CLOSEST_STARTS, CLOSEST_VEHICLES)
-        ranked, times = rank(task, ranked[:CLOSEST], starts, horizon, executor, progress)
+        try:
+            ranked, times = rank(task, ranked[:CLOSEST], starts, horizon, executor, progress)
+        except KeyboardInterrupt:
+            LOG.warning("last ranking: interrupted; the choice from %d starts is kept", len(times))
     best = ranked[0]
     return Design(
         fleet=fleet,
