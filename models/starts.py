@@ -18,9 +18,9 @@ COLUMNS = ["start", "vehicle", "x", "y", "theta", "v", "omega"]
 
 
 class Draw(IntEnum):
-    """What random starts are for: from one seed each has its own, so that a design is validated on others."""
+    """What random starts are drawn for: a seed gives each purpose its own, so that a design is validated on others."""
 
-    VALIDATION = 0
+    VALIDATION = 0  # what [seed, number] alone would draw
     RANKING = 1
     TRAINING = 2
     COMPARISON = 3
@@ -46,7 +46,8 @@ def random_starts(
 ) -> list[State]:
     """`count` starts at rest: positions uniform in a square around the goal, headings uniform in (-pi, pi).
 
-    `half_width` (m) is half the side of the square; the fleet's own scale where it is None.
+    `half_width` (m) is half the side of the square; the fleet's own scale where it is None. `draw` says what
+    they are for.
     """
     plant, half = fleet.plant(), scale(fleet) if half_width is None else half_width
     rest = np.zeros(len(fleet))

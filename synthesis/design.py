@@ -28,11 +28,11 @@ from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
-FINAL_STARTS = 40  # the same, for the last choice
+FINAL_STARTS = 40  # the same, once the search has been
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
-CLOSEST = 6  # candidates among which mode "best" chooses once more: over few starts they differ by chance
-CLOSEST_STARTS = 160
-CLOSEST_VEHICLES = 1000
+LAST_CANDIDATES = 6  # among which mode "best" chooses once more: over few starts they differ by chance
+LAST_STARTS = 160
+LAST_VEHICLES = 1000  # in all of them together
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 150.0  # of that search at most: a guard for busy machines, half a minute is usual
 LARGEST_BOX = 1e6  # m
@@ -124,9 +124,9 @@ class Task:
     def starts(self, draw: Draw, count: int, vehicles: int | None = None) -> list[State]:
         """The fleet's own start, if it has one, and `count` random ones; with at most `vehicles` in all, but one."""
         own = self.fleet.start()
-        drawn = random_starts(self.fleet, count, self.seed, self.half_width, draw)
-        starts = [*([] if own is None else [own]), *drawn]
-        return starts if vehicles is None else starts[: max(1, vehicles // len(self.fleet))]
+        most = count + 1 if vehicles is None else max(1, vehicles // len(self.fleet))
+        drawn = random_starts(self.fleet, min(count, most), self.seed, self.half_width, draw)
+        return [*([] if own is None else [own]), *drawn][:most]
 
 
 def design(
@@ -154,7 +154,7 @@ def design(
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
         digits: significant digits of every gain.
-        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the last ranking.
+        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the last rankings.
         tolerance: what counts as settled.
         box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
         executor: where rollouts run; None runs them here.
@@ -180,13 +180,13 @@ def design(
         limit = time_limit if mode == "best" else FAST_SECONDS
         finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
         starts = task.starts(Draw.RANKING, FINAL_STARTS, RANKED_VEHICLES)
-        ranked, times = rank(task, finalists, starts, horizon, executor, progress)
-    if mode == "best":
-        starts = task.starts(Draw.LAST_CHOICE, CLOSEST_STARTS, CLOSEST_VEHICLES)
-        try:
-            ranked, times = rank(task, ranked[:CLOSEST], starts, horizon, executor, progress)
-        except KeyboardInterrupt:
-            LOG.warning("last ranking: interrupted; the choice from %d starts is kept", len(times))
+        ranked, times = rank(task, finalists, starts, horizon, executor, progress, keep=mode == "best")
+        last = task.starts(Draw.LAST_CHOICE, LAST_STARTS, LAST_VEHICLES) if mode == "best" else []
+        if len(last) > len(starts):
+            try:
+                ranked, times = rank(task, ranked[:LAST_CANDIDATES], last, horizon, executor, progress)
+            except KeyboardInterrupt:
+                LOG.warning("last choice: interrupted; the one from %d starts is kept", len(times))
     best = ranked[0]
     return Design(
         fleet=fleet,
@@ -305,12 +305,21 @@ def rank(
     horizon: float,
     executor: Executor | None,
     progress: Progress,
+    keep: bool = False,
 ) -> tuple[list[Candidate], list[float]]:
-    """The candidates by cost over the starts, least first, and the settling times (s) of the first."""
+    """The candidates by cost over the starts, least first, and the settling times (s) of the first.
+
+    With `keep` an interrupt leaves those that have been measured, if there are any.
+    """
     found: list[tuple[float, int, list[float]]] = []
-    for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
-        found.append((cost(measured, horizon), number, [run.time for run in measured]))
-        progress("ranking candidates by simulation", (number + 1) / len(candidates))
+    try:
+        for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
+            found.append((cost(measured, horizon), number, [run.time for run in measured]))
+            progress("ranking candidates by simulation", (number + 1) / len(candidates))
+    except KeyboardInterrupt:
+        if not (keep and found):
+            raise
+        LOG.warning("ranking: interrupted; %d of %d candidates are kept", len(found), len(candidates))
     found.sort()
     return [candidates[number] for _, number, _ in found], found[0][2]
 

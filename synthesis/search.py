@@ -76,8 +76,8 @@ def search(
     SHORT_GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
     with every gain of every role, and where that converges, the next best follows.
     With `short` fewer are tried, the best goes on for SHORT_GENERATIONS, and that is all.
-    An interrupt ends it with what it has. For one seed the generations are the same: only the clock can change the
-    result.
+    An interrupt ends it with what it has, unless it is short. For one seed the generations are the same: only the
+    clock can change the result.
     """
     starts = task.starts(Draw.TRAINING, SHORT_STARTS if short else TRAINING_STARTS, SIMULATED_VEHICLES)
     others = [] if short else task.starts(Draw.COMPARISON, OTHER_STARTS, SIMULATED_VEHICLES)

@@ -1,6 +1,7 @@
 """Designs: within their conditions exactly, rounded as asked, fast as promised."""
 
 import math
+from collections.abc import Iterator
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -20,7 +21,7 @@ from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.conditions import CONDITION_SETS
 from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design
 from gaincert.synthesis.excitation_design import flat_tones
-from gaincert.synthesis.measure import measure
+from gaincert.synthesis.measure import Run, measure
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
 from gaincert.synthesis.rollout import Tolerance
@@ -203,7 +204,7 @@ def test_an_interrupt_of_the_last_choice_keeps_the_one_before(
     """Ten minutes of search are not lost to an interrupt in the half minute after."""
     first = SimpleNamespace(gains=paper_gains(), origin="before")
 
-    def rank(task: Task, candidates: list[Any], starts: list[Any], *_: Any) -> tuple[list[Any], list[float]]:
+    def rank(task: Task, candidates: list[Any], starts: list[Any], *_: Any, **__: Any) -> Any:
         if len(starts) > FINAL_STARTS + 1:
             raise KeyboardInterrupt
         assert len(starts) <= RANKED_VEHICLES // len(task.fleet)
@@ -215,4 +216,21 @@ def test_an_interrupt_of_the_last_choice_keeps_the_one_before(
     monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
     made = design(paper_fleet(), conditions="corrected", excitation="designed", mode="best")
     assert (made.origin, made.settling) == ("before", (7.0, 9.0))
-    assert "last ranking: interrupted; the choice from 2 starts is kept" in caplog.text
+    assert "last choice: interrupted; the one from 2 starts is kept" in caplog.text
+
+
+def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
+    task = SimpleNamespace()
+
+    def measured(*_: Any) -> Iterator[list[Run]]:
+        yield [Run(3.0, 4.0, 0.5)]
+        yield [Run(2.0, 4.0, 0.5)]
+        raise KeyboardInterrupt
+
+    def ranked(**options: bool) -> Any:
+        return design_module.rank(task, [1, 2, 3], [], 10.0, None, lambda *_: None, **options)  # type: ignore[arg-type,list-item]
+
+    monkeypatch.setattr(design_module, "measure_all", measured)
+    assert ranked(keep=True) == ([2, 1], [2.0])
+    with pytest.raises(KeyboardInterrupt):
+        ranked()

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.paper import paper_fleet
-from gaincert.models.starts import Draw, scale
+from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
 from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
@@ -36,8 +36,11 @@ def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPat
     with local() as (executor, _):
         fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
         best, again = (design(paper_fleet(), mode="best", executor=executor, **asked) for _ in range(2))  # type: ignore[arg-type]
-    assert max(best.settling) <= 1.5 * max(fast.settling)
-    assert statistics.fmean(best.settling) <= 1.2 * statistics.fmean(fast.settling)
+        task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+        starts = random_starts(paper_fleet(), 40, 0)
+        runs, short = measure_all(task, [best, fast], starts, 1000.0, executor)  # type: ignore[list-item]
+    assert max(run.time for run in runs) <= 1.5 * max(run.time for run in short)
+    assert statistics.fmean(run.time for run in runs) <= 1.2 * statistics.fmean(run.time for run in short)
     assert all((a == b).all() for a, b in zip(best.gains.__dict__.values(), again.gains.__dict__.values(), strict=True))
 
 
@@ -82,6 +85,21 @@ def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
     late, many = ([runs[0]._replace(finer=time)] * count for time, count in ((1060.0, 1), (91.25, 32)))
     assert statistics.fmean(run.finer for run in [*late, *runs[1:]]) == statistics.fmean(run.finer for run in many)
     assert cost([*late, *runs[1:]], 1000.0) > cost(many, 1000.0) + 10
+
+
+def test_settling_later_never_pays() -> None:
+    """The cost rises with every settling time, whatever is late at half the tolerance."""
+    random = np.random.default_rng(0)
+    for _ in range(200):
+        times = random.uniform(10, 100, 12)
+        runs = [Run(time, time * random.uniform(1, 20), 0.5) for time in times]
+        one = int(random.integers(12))
+        later = [
+            run._replace(time=run.time + (k == one)) if run.finer > run.time + 1 else run for k, run in enumerate(runs)
+        ]
+        every = [run._replace(time=run.time + 1, finer=max(run.finer, run.time + 1)) for run in runs]
+        assert cost(every, 1000.0) > cost(runs, 1000.0)
+        assert cost(later, 1000.0) >= cost(runs, 1000.0)
 
 
 @pytest.mark.slow

@@ -17,7 +17,7 @@ from ..models.errors import InputError, UndecidedError
 
 AHEAD = 3  # jobs per worker that are handed out at a time
 CONNECT = "10s"  # to a scheduler
-PATIENCE = 3.0  # s that workers have after an error or an interrupt
+PATIENCE = 3.0  # s that workers have to end; after an error or an interrupt they may be busy
 JOB_SECONDS = 7200  # of wall clock, after which the worker of a job is ended
 
 
@@ -30,10 +30,9 @@ def local(workers: int | None = None) -> Iterator[tuple[Executor, int]]:
     with _Pool(count, mp_context=spawn, initializer=_obey_the_parent) as pool:
         try:
             yield pool, count
-        except BaseException:
+        finally:
             pool.shutdown(wait=False, cancel_futures=True)
             _end(set(multiprocessing.active_children()) - others)
-            raise
 
 
 def _end(workers: set[multiprocessing.process.BaseProcess]) -> None:
