@@ -22,7 +22,7 @@ TAIL = 8  # the worst one start in so many is the tail: its mean is less a matte
 TAIL_SHARE = 0.25  # of the tail in the cost, beside the mean
 FINER_SHARE = 0.03  # of the time to half the tolerance: what comes after settling must not be traded away
 LATE = 6.0  # mean settling times: what a start needs beyond it for half the tolerance is late
-LATE_SHARE = 0.1  # of the root mean square of it; below 1 / LATE, or settling later would pay
+LATE_SHARE = 0.15  # of the mean lateness; below 1 / LATE, or settling later would pay
 FLOW_ACCURACY = 1e-3  # relative, of the averaged flow
 LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
 STEP = 0.5  # s between the points at which a rollout is looked at
@@ -100,7 +100,7 @@ def cost(runs: Sequence[Run], horizon: float) -> float:
     finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
     mean = statistics.fmean(times)
     tail = statistics.fmean(sorted(times)[-math.ceil(len(times) / TAIL) :])
-    late = math.sqrt(statistics.fmean(max(0.0, time - LATE * mean) ** 2 for time in finer))
+    late = statistics.fmean(max(0.0, time - LATE * mean) for time in finer)
     return mean + TAIL_SHARE * tail + FINER_SHARE * statistics.fmean(finer) + LATE_SHARE * late
 
 
