@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
-from ..models.starts import Draw
 from .measure import Run, cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
@@ -27,7 +26,6 @@ if TYPE_CHECKING:
 LOG = logging.getLogger(__name__)
 Point = NDArray[np.float64]  # what the strategy varies
 Make = Callable[[Point], "Candidate"]
-Compared = tuple[float, "Candidate"]  # a cost, s, and whose it is
 
 ORIGIN = "time-domain search"
 TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
@@ -79,8 +77,8 @@ def search(
     An interrupt ends it with what it has, unless it is short. For one seed the generations are the same: only the
     clock can change the result.
     """
-    starts = task.starts(Draw.TRAINING, SHORT_STARTS if short else TRAINING_STARTS, SIMULATED_VEHICLES)
-    others = [] if short else task.starts(Draw.COMPARISON, OTHER_STARTS, SIMULATED_VEHICLES)
+    starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1, SIMULATED_VEHICLES)
+    others = [] if short else task.starts(OTHER_STARTS, task.seed + 2, SIMULATED_VEHICLES)
     trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
@@ -91,8 +89,8 @@ def search(
             runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
         _halve(runs, 1 if short else ROUNDS, first, progress)
         if not short:
-            compared = [*(found for run in runs for found in run.elite), *trials.compared(kept[:ELITE])]
-            kept, runs = [candidate for _, candidate in _sorted(compared)], []
+            kept = trials.ranked([*(found for run in runs for found in run.finds()), *kept[:ELITE]])
+            runs = []
             if len(task.fleet) <= ROLES_VEHICLES:
                 _search_roles(trials, _distinct(kept), runs, deadline, progress)
     except KeyboardInterrupt:
@@ -160,12 +158,16 @@ class _Trials:
         means = (statistics.fmean(run.time for run in runs) for runs in measurements)
         self.horizon = min([self.horizon, *(max(LEAST_HORIZON, HORIZON * mean) for mean in means)])
 
-    def compared(self, candidates: Sequence[Candidate], starts: Sequence[State] | None = None) -> list[Compared]:
-        """The candidates with their costs over some starts, the others where none are named."""
-        measured = self.measured(dict(enumerate(candidates)), self.others if starts is None else starts).values()
+    def costs(self, candidates: Sequence[Candidate], starts: Sequence[State]) -> list[float]:
+        """The cost of every candidate over some starts, s."""
+        measured = self.measured(dict(enumerate(candidates)), starts).values()
         costs = [cost(runs, self.horizon) for runs in measured]
         self.learn(measured)
-        return list(zip(costs, candidates, strict=True))
+        return costs
+
+    def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
+        """The candidates by cost over the other starts, least first."""
+        return _sorted(candidates, self.costs(candidates, self.others))
 
 
 def _explored(
@@ -175,19 +177,20 @@ def _explored(
     make, random = _fleet_wide(trials.task), np.random.default_rng(trials.task.seed)
     batch = [candidate for candidate in incumbents if candidate.scalars]
     centres = [scalars.logarithms() for scalars in _distinct(batch)]
-    found: list[Compared] = []
+    found: list[Candidate] = []
+    costs: list[float] = []
     while batch and not deadline.passed:
-        found += trials.compared(batch, trials.starts[:EXPLORED_STARTS])
+        costs += trials.costs(batch, trials.starts[:EXPLORED_STARTS])
+        found += batch
         progress("searching: random scalars", min(1.0, len(found) / tried))
         count = max(0, min(BATCH, tried - len(found)))
         points = random.choice(centres, count) + EXPLORED_SPREAD * random.standard_normal((count, SCALARS))
         batch = [candidate for point in points if (candidate := _possible(make, point))]
-    return [candidate for _, candidate in _sorted(found)]
+    return _sorted(found, costs)
 
 
-def _sorted(found: Iterable[Compared]) -> list[Compared]:
-    """Least cost first."""
-    return sorted(found, key=lambda one: one[0])
+def _sorted(candidates: Sequence[Candidate], costs: Sequence[float]) -> list[Candidate]:
+    return [candidates[k] for k in np.argsort(costs, kind="stable")]
 
 
 def _distinct(candidates: Sequence[Candidate]) -> list[Scalars]:
@@ -243,8 +246,8 @@ class _Run:
         import cma
 
         self._trials, self._make, self._starts = trials, make, trials.starts[:starts]
-        self.elite: list[Compared] = []  # the best, least cost first
-        self._trained: list[Compared] = []  # the best of all generations on the training starts
+        self._elite: list[tuple[float, Candidate]] = []
+        self._trained: list[tuple[float, Candidate]] = []  # the best of all generations on the training starts
         self._met: list[Candidate] = []  # the centre of the last generation and its best
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
@@ -254,7 +257,7 @@ class _Run:
     @property
     def best(self) -> float:
         """The least cost so far, s."""
-        return self.elite[0][0] if self.elite else math.inf
+        return self._elite[0][0] if self._elite else math.inf
 
     @property
     def converged(self) -> bool:
@@ -263,7 +266,7 @@ class _Run:
 
     def finds(self) -> list[Candidate]:
         """The best candidates, and those not compared yet; none before the first generation."""
-        return [*(candidate for _, candidate in self.elite), *self._met]
+        return [*(candidate for _, candidate in self._elite), *self._met]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
         """Some generations more, as long as there is time and the strategy has not converged, then a comparison."""
@@ -272,12 +275,13 @@ class _Run:
             if deadline.passed or self.converged:
                 break
             self._generation()
-            cost_so_far = f": {self.best:.0f} s" if self.elite else ""
+            cost_so_far = f": {self.best:.0f} s" if self._elite else ""
             progress(f"searching{cost_so_far}", max((generation + 1) / generations, deadline.share))
         if not self._trials.others:
-            self.elite = self._trained
+            self._elite = self._trained
         elif self._strategy.countiter > before:
-            self.elite, self._met = _sorted([*self.elite, *self._trials.compared(self._met)])[:ELITE], []
+            costs = self._trials.costs(self._met, self._trials.others)
+            self._elite, self._met = _least([*self._elite, *zip(costs, self._met, strict=True)]), []
 
     def _generation(self) -> None:
         points = [np.asarray(point) for point in self._strategy.ask()]
@@ -294,9 +298,14 @@ class _Run:
         behind = max(whole.values(), default=0.0)
         told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
         self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
-        best = _sorted((value, candidates[k]) for k, value in whole.items())
-        self._trained = _sorted([*self._trained, *best])[:ELITE]
+        best = _least([(value, candidates[k]) for k, value in whole.items()])
+        self._trained = _least([*self._trained, *best])
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
         centre = _possible(self._make, self._strategy.mean)
         self._met = [*([centre] if centre else []), *(candidate for _, candidate in best[:1])]
         self._trials.learn(runs.values())
+
+
+def _least(found: Sequence[tuple[float, Candidate]]) -> list[tuple[float, Candidate]]:
+    """The ELITE of least cost, least first."""
+    return sorted(found, key=lambda one: one[0])[:ELITE]
