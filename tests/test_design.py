@@ -1,6 +1,7 @@
 """Designs: within their conditions exactly, rounded as asked, fast as promised."""
 
 import math
+import time
 from collections.abc import Iterator
 from fractions import Fraction
 from types import SimpleNamespace
@@ -213,3 +214,27 @@ def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.Mo
     assert ranked(keep=True) == ([2, 1], [2.0])
     with pytest.raises(KeyboardInterrupt):
         ranked()
+
+
+@pytest.mark.parametrize("mode", ["fast", "best"])
+def test_only_a_long_search_is_kept_from_an_interrupt(mode: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    kept = []
+
+    def rank(_task: Any, candidates: list[Any], *_: Any, keep: bool = False) -> tuple[list[Any], list[float]]:
+        kept.append(keep)
+        return candidates, [7.0]
+
+    monkeypatch.setattr(design_module, "_candidates", lambda task: ([task.candidate("here", FALLBACK)], 300.0))
+    monkeypatch.setattr(design_module, "rank", rank)
+    monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
+    design(paper_fleet(), conditions="corrected", excitation="designed", mode=mode)
+    assert kept == [False, mode == "best"]
+
+
+def test_leaving_a_pool_waits_for_no_work() -> None:
+    """Whoever goes on after an interrupt does not wait for what is thrown away."""
+    begin = time.monotonic()
+    with local(1) as (executor, _):
+        assert executor.submit(abs, -1).result() == 1
+        executor.submit(time.sleep, 40)
+    assert time.monotonic() - begin < 30
