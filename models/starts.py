@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from enum import IntEnum
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,16 @@ from .fleet_file import read_csv
 from .numbers import exact
 
 COLUMNS = ["start", "vehicle", "x", "y", "theta", "v", "omega"]
+
+
+class Draw(IntEnum):
+    """What random starts are drawn for: a seed gives each purpose its own, so that a design is validated on others."""
+
+    VALIDATION = 0  # what [seed, number] alone would draw
+    RANKING = 1
+    TRAINING = 2
+    COMPARISON = 3
+    LAST_CHOICE = 4
 
 
 def scale(fleet: Fleet) -> float:
@@ -30,17 +41,20 @@ def scale(fleet: Fleet) -> float:
     return max(0.1, size, float(np.max(far)))
 
 
-def random_starts(fleet: Fleet, count: int, seed: int, half_width: float | None = None) -> list[State]:
+def random_starts(
+    fleet: Fleet, count: int, seed: int, half_width: float | None = None, draw: Draw = Draw.VALIDATION
+) -> list[State]:
     """`count` starts at rest: positions uniform in a square around the goal, headings uniform in (-pi, pi).
 
-    `half_width` (m) is half the side of the square; the fleet's own scale where it is None.
+    `half_width` (m) is half the side of the square; the fleet's own scale where it is None. `draw` says what
+    they are for.
     """
     plant, half = fleet.plant(), scale(fleet) if half_width is None else half_width
     rest = np.zeros(len(fleet))
     starts = []
     for number in range(count):
         # One generator per start: start k is the same, however many are drawn.
-        random = np.random.default_rng([seed, number])
+        random = np.random.default_rng([seed, number, draw])
         x, y = random.uniform(-half, half, (2, len(fleet)))
         theta = random.uniform(-math.pi, math.pi, len(fleet))
         starts.append(State(plant.leader_x + x, plant.leader_y + y, theta, rest, rest))

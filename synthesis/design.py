@@ -18,7 +18,7 @@ from ..models.fleet import Fleet, Links, floats
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import decimal_text
-from ..models.starts import random_starts, scale
+from ..models.starts import Draw, random_starts, scale
 from .conditions import ConditionSet, condition_set
 from .excitation_design import at_frequency, flat_tones
 from .measure import cost, measure_all
@@ -28,8 +28,11 @@ from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
-FINAL_STARTS = 40  # the same, for the last choice
+FINAL_STARTS = 40  # the same, once the search has been
 RANKED_VEHICLES = 200  # in all starts together: a large fleet is simulated from one
+LAST_CANDIDATES = 8  # among which mode "best" chooses once more: over few starts they differ by chance
+LAST_STARTS = 320
+LAST_VEHICLES = 2000  # in all of them together
 SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 150.0  # of that search at most: a guard for busy machines, half a minute is usual
 LARGEST_BOX = 1e6  # m
@@ -118,11 +121,12 @@ class Task:
         """What psi's frequency may be multiplied by."""
         return FREQUENCY_RANGE if self.excitation_designed else (1.0, 1.0)
 
-    def starts(self, count: int, seed: int, vehicles: int | None = None) -> list[State]:
+    def starts(self, draw: Draw, count: int, vehicles: int | None = None) -> list[State]:
         """The fleet's own start, if it has one, and `count` random ones; with at most `vehicles` in all, but one."""
         own = self.fleet.start()
-        starts = [*([] if own is None else [own]), *random_starts(self.fleet, count, seed, self.half_width)]
-        return starts if vehicles is None else starts[: max(1, vehicles // len(self.fleet))]
+        most = count + 1 if vehicles is None else max(1, vehicles // len(self.fleet))
+        drawn = random_starts(self.fleet, min(count, most), self.seed, self.half_width, draw)
+        return [*([] if own is None else [own]), *drawn][:most]
 
 
 def design(
@@ -150,7 +154,7 @@ def design(
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
         digits: significant digits of every gain.
-        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the last ranking.
+        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the last rankings.
         tolerance: what counts as settled.
         box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
         executor: where rollouts run; None runs them here.
@@ -168,15 +172,21 @@ def design(
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    starts = task.starts(RANKING_STARTS, seed, RANKED_VEHICLES)
+    starts = task.starts(Draw.RANKING, RANKING_STARTS, RANKED_VEHICLES)
     ranked, times = rank(task, candidates, starts, horizon, executor, progress)
     if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
         from .search import search
 
         limit = time_limit if mode == "best" else FAST_SECONDS
         finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
-        starts = task.starts(FINAL_STARTS, seed, RANKED_VEHICLES)
+        starts = task.starts(Draw.RANKING, FINAL_STARTS, RANKED_VEHICLES)
         ranked, times = rank(task, finalists, starts, horizon, executor, progress, keep=mode == "best")
+        last = task.starts(Draw.LAST_CHOICE, LAST_STARTS, LAST_VEHICLES) if mode == "best" else []
+        if len(last) > len(starts):
+            try:
+                ranked, times = rank(task, ranked[:LAST_CANDIDATES], last, horizon, executor, progress)
+            except KeyboardInterrupt:
+                LOG.warning("last choice: interrupted; the one from %d starts is kept", len(times))
     best = ranked[0]
     return Design(
         fleet=fleet,

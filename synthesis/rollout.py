@@ -47,8 +47,12 @@ class Rollout:
         abstol: float = 1e-6,
         bounded: bool = True,
         multistep: str = "bdf",
+        iteration: str = "newton",
     ) -> None:
-        """Build the integrator: output every `step` s, in pieces of `piece` s; `multistep` is bdf or adams."""
+        """Build the integrator: output every `step` s, in pieces of `piece` s.
+
+        `multistep` is bdf or adams; `iteration`, by which a step is solved, newton or, without a Jacobian, functional.
+        """
         self.plant = plant
         self.vehicles = plant.graph.vehicles
         self.per_piece = max(1, round(piece / step))
@@ -69,6 +73,7 @@ class Rollout:
             "abstol": abstol,
             "max_num_steps": MAX_STEPS,
             "linear_multistep_method": multistep,
+            "nonlinear_solver_iteration": iteration,
         }
         try:
             self._integrator = ca.integrator("closed_loop", "cvodes", problem, 0.0, outputs, options)

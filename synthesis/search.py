@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
+from ..models.starts import Draw
 from .measure import Run, cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
@@ -26,13 +27,14 @@ if TYPE_CHECKING:
 LOG = logging.getLogger(__name__)
 Point = NDArray[np.float64]  # what the strategy varies
 Make = Callable[[Point], "Candidate"]
+Compared = tuple[float, "Candidate"]  # a cost, s, and whose it is
 
 ORIGIN = "time-domain search"
 TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
-OTHER_STARTS = 64  # on which what a run met is compared: the training starts flatter it
+OTHER_STARTS = 128  # on which what a run met is compared: the training starts flatter it
 SIMULATED_VEHICLES = 2000  # in all starts together: a large fleet is searched on fewer
 SCALARS_STARTS = 12  # of those, for the scalars alone
-SHORT_GENERATIONS = 10  # between two comparisons, and of mode "fast"
+GENERATIONS = 10  # between two comparisons
 SHORT_STARTS = 8  # beside the fleet's own
 FIRST_SHARE = 0.4  # of the starts, on which the better half of a generation is chosen
 EXPLORED = 240  # scalars tried at random
@@ -48,10 +50,12 @@ HOPELESS = 0.5  # of the horizon: a mean settling time beyond which a candidate 
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 8
+SHORT_BASINS = 2
 FINALISTS = 2  # runs whose finds are ranked in the end
 ROUNDS = 12
+SHORT_ROUNDS = 2
 SCALARS = 6
-SCALARS_SHARE = 0.3  # of the time, for the scalars alone
+SCALARS_SHARE = 0.25  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
 ROLES_ROUNDS = 40
 ROLES_SPREAD = 0.15  # of their first generation
@@ -71,26 +75,28 @@ def search(
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
     The landscape has many basins: the incumbents and random scalars around them are tried, the best BASINS go on for
-    SHORT_GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
+    GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
     with every gain of every role, and where that converges, the next best follows.
-    With `short` fewer are tried, the best goes on for SHORT_GENERATIONS, and that is all.
+    With `short` fewer are tried, the best SHORT_BASINS go on, for SHORT_ROUNDS, and that is all.
     An interrupt ends it with what it has, unless it is short. For one seed the generations are the same: only the
     clock can change the result.
     """
-    starts = task.starts(SHORT_STARTS if short else TRAINING_STARTS, task.seed + 1, SIMULATED_VEHICLES)
-    others = [] if short else task.starts(OTHER_STARTS, task.seed + 2, SIMULATED_VEHICLES)
+    starts = task.starts(Draw.TRAINING, SHORT_STARTS if short else TRAINING_STARTS, SIMULATED_VEHICLES)
+    others = [] if short else task.starts(Draw.COMPARISON, OTHER_STARTS, SIMULATED_VEHICLES)
     trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
     kept: list[Candidate] = []
     try:
         kept = _explored(trials, incumbents, SHORT_EXPLORED if short else EXPLORED, first, progress)
-        for begin in _distinct(kept)[: 1 if short else BASINS]:  # none where only convex programs found gains
+        for begin in _distinct(kept)[
+            : SHORT_BASINS if short else BASINS
+        ]:  # none where only convex programs found gains
             runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
-        _halve(runs, 1 if short else ROUNDS, first, progress)
+        _halve(runs, SHORT_ROUNDS if short else ROUNDS, first, progress)
         if not short:
-            kept = trials.ranked([*(found for run in runs for found in run.finds()), *kept[:ELITE]])
-            runs = []
+            compared = [*(found for run in runs for found in run.elite), *trials.compared(kept[:ELITE])]
+            kept, runs = [candidate for _, candidate in _sorted(compared)], []
             if len(task.fleet) <= ROLES_VEHICLES:
                 _search_roles(trials, _distinct(kept), runs, deadline, progress)
     except KeyboardInterrupt:
@@ -108,7 +114,7 @@ def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Prog
     """Advance all runs, then the better half, then the better half of those, and so on; in the end the best alone."""
     for _ in range(rounds):
         for run in runs:
-            run.advance(SHORT_GENERATIONS, deadline, progress)
+            run.advance(GENERATIONS, deadline, progress)
         runs = sorted(runs, key=lambda run: run.best)[: math.ceil(len(runs) / 2)]
 
 
@@ -127,7 +133,7 @@ def _search_roles(
         run = _Run(trials, make, point, len(trials.starts), ROLES_POPULATION, ROLES_SPREAD)
         runs.append(run)
         for _ in range(ROLES_ROUNDS):
-            run.advance(SHORT_GENERATIONS, deadline, progress)
+            run.advance(GENERATIONS, deadline, progress)
 
 
 class _Trials:
@@ -158,16 +164,12 @@ class _Trials:
         means = (statistics.fmean(run.time for run in runs) for runs in measurements)
         self.horizon = min([self.horizon, *(max(LEAST_HORIZON, HORIZON * mean) for mean in means)])
 
-    def costs(self, candidates: Sequence[Candidate], starts: Sequence[State]) -> list[float]:
-        """The cost of every candidate over some starts, s."""
-        measured = self.measured(dict(enumerate(candidates)), starts).values()
+    def compared(self, candidates: Sequence[Candidate], starts: Sequence[State] | None = None) -> list[Compared]:
+        """The candidates with their costs over some starts, the others where none are named."""
+        measured = self.measured(dict(enumerate(candidates)), self.others if starts is None else starts).values()
         costs = [cost(runs, self.horizon) for runs in measured]
         self.learn(measured)
-        return costs
-
-    def ranked(self, candidates: Sequence[Candidate]) -> list[Candidate]:
-        """The candidates by cost over the other starts, least first."""
-        return _sorted(candidates, self.costs(candidates, self.others))
+        return list(zip(costs, candidates, strict=True))
 
 
 def _explored(
@@ -177,20 +179,19 @@ def _explored(
     make, random = _fleet_wide(trials.task), np.random.default_rng(trials.task.seed)
     batch = [candidate for candidate in incumbents if candidate.scalars]
     centres = [scalars.logarithms() for scalars in _distinct(batch)]
-    found: list[Candidate] = []
-    costs: list[float] = []
+    found: list[Compared] = []
     while batch and not deadline.passed:
-        costs += trials.costs(batch, trials.starts[:EXPLORED_STARTS])
-        found += batch
+        found += trials.compared(batch, trials.starts[:EXPLORED_STARTS])
         progress("searching: random scalars", min(1.0, len(found) / tried))
         count = max(0, min(BATCH, tried - len(found)))
         points = random.choice(centres, count) + EXPLORED_SPREAD * random.standard_normal((count, SCALARS))
         batch = [candidate for point in points if (candidate := _possible(make, point))]
-    return _sorted(found, costs)
+    return [candidate for _, candidate in _sorted(found)]
 
 
-def _sorted(candidates: Sequence[Candidate], costs: Sequence[float]) -> list[Candidate]:
-    return [candidates[k] for k in np.argsort(costs, kind="stable")]
+def _sorted(found: Iterable[Compared]) -> list[Compared]:
+    """Least cost first."""
+    return sorted(found, key=lambda one: one[0])
 
 
 def _distinct(candidates: Sequence[Candidate]) -> list[Scalars]:
@@ -246,8 +247,8 @@ class _Run:
         import cma
 
         self._trials, self._make, self._starts = trials, make, trials.starts[:starts]
-        self._elite: list[tuple[float, Candidate]] = []
-        self._trained: list[tuple[float, Candidate]] = []  # the best of all generations on the training starts
+        self.elite: list[Compared] = []  # the best, least cost first
+        self._trained: list[Compared] = []  # the best of all generations on the training starts
         self._met: list[Candidate] = []  # the centre of the last generation and its best
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
@@ -257,7 +258,7 @@ class _Run:
     @property
     def best(self) -> float:
         """The least cost so far, s."""
-        return self._elite[0][0] if self._elite else math.inf
+        return self.elite[0][0] if self.elite else math.inf
 
     @property
     def converged(self) -> bool:
@@ -266,7 +267,7 @@ class _Run:
 
     def finds(self) -> list[Candidate]:
         """The best candidates, and those not compared yet; none before the first generation."""
-        return [*(candidate for _, candidate in self._elite), *self._met]
+        return [*(candidate for _, candidate in self.elite), *self._met]
 
     def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
         """Some generations more, as long as there is time and the strategy has not converged, then a comparison."""
@@ -275,13 +276,12 @@ class _Run:
             if deadline.passed or self.converged:
                 break
             self._generation()
-            cost_so_far = f": {self.best:.0f} s" if self._elite else ""
+            cost_so_far = f": {self.best:.0f} s" if self.elite else ""
             progress(f"searching{cost_so_far}", max((generation + 1) / generations, deadline.share))
         if not self._trials.others:
-            self._elite = self._trained
+            self.elite = self._trained
         elif self._strategy.countiter > before:
-            costs = self._trials.costs(self._met, self._trials.others)
-            self._elite, self._met = _least([*self._elite, *zip(costs, self._met, strict=True)]), []
+            self.elite, self._met = _sorted([*self.elite, *self._trials.compared(self._met)])[:ELITE], []
 
     def _generation(self) -> None:
         points = [np.asarray(point) for point in self._strategy.ask()]
@@ -298,14 +298,9 @@ class _Run:
         behind = max(whole.values(), default=0.0)
         told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
         self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
-        best = _least([(value, candidates[k]) for k, value in whole.items()])
-        self._trained = _least([*self._trained, *best])
+        best = _sorted((value, candidates[k]) for k, value in whole.items())
+        self._trained = _sorted([*self._trained, *best])[:ELITE]
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
         centre = _possible(self._make, self._strategy.mean)
         self._met = [*([centre] if centre else []), *(candidate for _, candidate in best[:1])]
         self._trials.learn(runs.values())
-
-
-def _least(found: Sequence[tuple[float, Candidate]]) -> list[tuple[float, Candidate]]:
-    """The ELITE of least cost, least first."""
-    return sorted(found, key=lambda one: one[0])[:ELITE]

@@ -20,7 +20,7 @@ from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.conditions import CONDITION_SETS
-from gaincert.synthesis.design import FALLBACK, design
+from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design
 from gaincert.synthesis.excitation_design import flat_tones
 from gaincert.synthesis.measure import Run, measure
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
@@ -154,7 +154,7 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_gains(limited: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 1)
+    monkeypatch.setattr(search_module, "GENERATIONS", 1)
     first, second = (design(limited, conditions="rate-bounded", excitation="designed", seed=3) for _ in range(2))
     assert all(np.array_equal(getattr(first.gains, key), getattr(second.gains, key)) for key in GAIN_NAMES)
     assert first.excitation == second.excitation
@@ -197,6 +197,27 @@ def test_gains_map_keeps_the_names() -> None:
     doubled = paper_gains().map(lambda column: 2 * column)
     assert isinstance(doubled, Gains)
     assert doubled.p_v[0] == 112
+
+
+def test_an_interrupt_of_the_last_choice_keeps_the_one_before(
+    monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    """Ten minutes of search are not lost to an interrupt in the half minute after."""
+    first = SimpleNamespace(gains=paper_gains(), origin="before")
+
+    def rank(task: Task, candidates: list[Any], starts: list[Any], *_: Any, **__: Any) -> Any:
+        if len(starts) > FINAL_STARTS + 1:
+            raise KeyboardInterrupt
+        assert len(starts) <= RANKED_VEHICLES // len(task.fleet)
+        first.excitation = candidates[0].excitation
+        return [first], [7.0, 9.0]
+
+    monkeypatch.setattr(design_module, "_candidates", lambda task: ([task.candidate("here", FALLBACK)], 300.0))
+    monkeypatch.setattr(design_module, "rank", rank)
+    monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
+    made = design(paper_fleet(), conditions="corrected", excitation="designed", mode="best")
+    assert (made.origin, made.settling) == ("before", (7.0, 9.0))
+    assert "last choice: interrupted; the one from 2 starts is kept" in caplog.text
 
 
 def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:

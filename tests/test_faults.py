@@ -44,7 +44,7 @@ def fleet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Fleet:
     """Two robots with a psi of their own; what is done with the candidates is kept short."""
     monkeypatch.setattr(design_module, "RANKING_STARTS", 1)
     monkeypatch.setattr(design_module, "FINAL_STARTS", 1, raising=False)
-    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 1)
+    monkeypatch.setattr(search_module, "GENERATIONS", 1)
     monkeypatch.setattr(search_module, "SHORT_STARTS", 1)
     path = tmp_path / "fleet.toml"
     path.write_text(template_text("line", 2) + "\n" + PSI)
@@ -278,7 +278,7 @@ def test_what_cma_has_found_is_kept_where_it_breaks_down(
         whole(strategy, points, values)
 
     monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", tell_once)
-    monkeypatch.setattr(search_module, "SHORT_GENERATIONS", 2)
+    monkeypatch.setattr(search_module, "GENERATIONS", 2)
     task = task_of(fleet)
     incumbents = [task.candidate("here", design_module.FALLBACK)]
     found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)

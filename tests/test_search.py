@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.paper import paper_fleet
-from gaincert.models.starts import scale
+from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
 from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
@@ -29,15 +29,18 @@ ROOT = Path(__file__).parent.parent
 @pytest.mark.slow
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("BASINS", "ROUNDS", "ROLES_ROUNDS", "SHORT_GENERATIONS", "TRAINING_STARTS", "OTHER_STARTS"):
+    for name in ("BASINS", "ROUNDS", "ROLES_ROUNDS", "GENERATIONS", "TRAINING_STARTS", "OTHER_STARTS"):
         monkeypatch.setattr(search_module, name, 2)
     monkeypatch.setattr(search_module, "EXPLORED", 12)
     asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
     with local() as (executor, _):
         fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
         best, again = (design(paper_fleet(), mode="best", executor=executor, **asked) for _ in range(2))  # type: ignore[arg-type]
-    assert max(best.settling) <= 1.5 * max(fast.settling)
-    assert sum(best.settling) <= 1.2 * sum(fast.settling)
+        task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+        starts = random_starts(paper_fleet(), 40, 0)
+        runs, short = measure_all(task, [best, fast], starts, 1000.0, executor)  # type: ignore[list-item]
+    assert max(run.time for run in runs) <= 1.5 * max(run.time for run in short)
+    assert statistics.fmean(run.time for run in runs) <= 1.2 * statistics.fmean(run.time for run in short)
     assert all((a == b).all() for a, b in zip(best.gains.__dict__.values(), again.gains.__dict__.values(), strict=True))
 
 
@@ -84,13 +87,28 @@ def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
     assert cost([*late, *runs[1:]], 1000.0) > cost(many, 1000.0) + 10
 
 
+def test_settling_later_never_pays() -> None:
+    """The cost rises with every settling time, whatever is late at half the tolerance."""
+    random = np.random.default_rng(0)
+    for _ in range(200):
+        times = random.uniform(10, 100, 12)
+        runs = [Run(time, time * random.uniform(1, 20), 0.5) for time in times]
+        one = int(random.integers(12))
+        later = [
+            run._replace(time=run.time + (k == one)) if run.finer > run.time + 1 else run for k, run in enumerate(runs)
+        ]
+        every = [run._replace(time=run.time + 1, finer=max(run.finer, run.time + 1)) for run in runs]
+        assert cost(every, 1000.0) > cost(runs, 1000.0)
+        assert cost(later, 1000.0) >= cost(runs, 1000.0)
+
+
 @pytest.mark.slow
 def test_the_averaged_flow_tells_when_the_fleet_is_within_half_the_tolerance() -> None:
     """Against a rollout at half the tolerance: to a fifth, and the piece that had to be settled."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     candidate = task.candidate("here", Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2))
     half = replace(task, tolerance=Tolerance(0.05, 0.05))
-    starts = task.starts(5, 1)
+    starts = task.starts(Draw.TRAINING, 5)
     found, true = (next(measure_all(one, [candidate], starts, 2000.0, None)) for one in (task, half))
     later = [(a.finer, b.time) for a, b in zip(found, true, strict=True) if a.finer > a.time]
     assert len(later) >= 4
@@ -100,7 +118,7 @@ def test_the_averaged_flow_tells_when_the_fleet_is_within_half_the_tolerance() -
 def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
     """What is left out counts as never settled, so that it ranks behind every candidate that was run."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    candidate, starts = task.candidate("here", FALLBACK), task.starts(3, 1)
+    candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 3)
     whole = next(measure_all(task, [candidate], starts, 60.0, None))
     cut = next(measure_all(task, [candidate], starts, 60.0, None, hopeless=1.0))
     assert cut[0] == whole[0]
@@ -110,7 +128,7 @@ def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
 
 def test_a_start_on_which_the_integrator_gives_up_takes_no_other_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    candidate, starts, settling = task.candidate("here", FALLBACK), task.starts(2, 1), Rollout.settling
+    candidate, starts, settling = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 2), Rollout.settling
 
     def stalls(rollout: Rollout, gains: Any, start: Any, *rest: Any) -> Settling:
         if start is starts[1]:
@@ -134,8 +152,10 @@ def test_random_scalars_are_tried_around_the_incumbents(monkeypatch: pytest.Monk
     incumbent = task.candidate("here", FALLBACK)
 
     def found() -> list[Any]:
-        trials = search_module._Trials(task, task.starts(1, 1), [], 60.0, None)
-        monkeypatch.setattr(trials, "costs", lambda batch, _starts: [abs(one.scalars.e - 1.0) for one in batch])
+        trials = search_module._Trials(task, task.starts(Draw.TRAINING, 1), [], 60.0, None)
+        monkeypatch.setattr(
+            trials, "compared", lambda batch, _starts: [(abs(one.scalars.e - 1.0), one) for one in batch]
+        )
         return search_module._explored(trials, [incumbent], 50, Deadline(100.0), lambda *_: None)
 
     candidates = found()
@@ -163,7 +183,9 @@ def test_the_better_half_of_the_runs_goes_on() -> None:
 def test_what_a_run_met_is_compared_over_starts_that_it_did_not_learn_from(others: int) -> None:
     """Luck on the training starts decides only where there are no others, in mode "fast"."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    trials = search_module._Trials(task, task.starts(1, 1), task.starts(others, 2)[1:], 60.0, None)
+    trials = search_module._Trials(
+        task, task.starts(Draw.TRAINING, 1), task.starts(Draw.COMPARISON, others)[1:], 60.0, None
+    )
     run = search_module._Run(trials, search_module._fleet_wide(task), FALLBACK.logarithms(), 1)
     lucky, good = (task.candidate(name, FALLBACK) for name in ("lucky", "good"))
 
@@ -171,12 +193,11 @@ def test_what_a_run_met_is_compared_over_starts_that_it_did_not_learn_from(other
         run._met, run._trained = [lucky, good], [(1.0, lucky), (2.0, good)]
         run._strategy.countiter += 1
 
-    def costs(candidates: list[Any], starts: list[Any]) -> list[float]:
-        assert starts is trials.others
-        return [9.0 if candidate is lucky else 3.0 for candidate in candidates]
+    def compared(candidates: list[Any]) -> list[Any]:
+        return [(9.0 if candidate is lucky else 3.0, candidate) for candidate in candidates]
 
     run._strategy, run._generation = SimpleNamespace(countiter=0, stop=dict), generation
-    trials.costs = costs  # type: ignore[method-assign]
+    trials.compared = compared  # type: ignore[method-assign]
     run.advance(3, Deadline(100.0), lambda *_: None)
     assert run.finds()[0] is (good if others else lucky)
     assert run.best == (3.0 if others else 1.0)
@@ -196,7 +217,7 @@ def test_starts_are_drawn_from_the_box_that_is_asked_for() -> None:
     plant = fleet.plant()
     for box, half in ((8.0, 4.0), (None, scale(fleet))):
         task = prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), box)
-        far = max(np.abs(start.x - plant.leader_x).max() for start in task.starts(20, 1)[1:])
+        far = max(np.abs(start.x - plant.leader_x).max() for start in task.starts(Draw.TRAINING, 20)[1:])
         assert 0.8 * half < far <= half
     with pytest.raises(InputError, match=r"box = 0\.0 must be"):
         prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 0.0)

@@ -7,7 +7,9 @@ import pytest
 from gaincert.models.errors import InputError
 from gaincert.models.fleet import Fleet
 from gaincert.models.paper import paper_fleet
-from gaincert.models.starts import COLUMNS, load_starts, random_starts, scale
+from gaincert.models.starts import COLUMNS, Draw, load_starts, random_starts, scale
+from gaincert.synthesis.design import prepare
+from gaincert.synthesis.rollout import Tolerance
 
 GOOD = [f"a,v{i},{i},{-i},0.5,0.1,-0.1" for i in range(1, 7)]
 
@@ -75,3 +77,13 @@ def test_each_mistake_has_its_line(rows: list[str], says: str, tmp_path: Path) -
 def test_the_heading_is_that_of_the_contract(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="the first line must be start,vehicle,x,y,theta,v,omega"):
         load_starts(written(tmp_path, GOOD, "start,vehicle,x,y"), paper_fleet())
+
+
+def test_a_design_is_validated_from_starts_that_it_has_not_seen() -> None:
+    """With the same seed too: it is 0 for every command that is given none."""
+    fleet = paper_fleet()
+    firsts = [random_starts(fleet, 3, 0, 30.0, draw)[k].x.tolist() for draw in Draw for k in range(3)]
+    assert len({tuple(first) for first in firsts}) == 3 * len(Draw)
+    task = prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 60.0)
+    seen = [start.x.tolist() for draw in Draw if draw is not Draw.VALIDATION for start in task.starts(draw, 3)]
+    assert not any(start.x.tolist() in seen for start in random_starts(fleet, 3, 0, 30.0))
