@@ -89,9 +89,8 @@ def search(
     kept: list[Candidate] = []
     try:
         kept = _explored(trials, incumbents, SHORT_EXPLORED if short else EXPLORED, first, progress)
-        for begin in _distinct(kept)[
-            : SHORT_BASINS if short else BASINS
-        ]:  # none where only convex programs found gains
+        # Where only convex programs found gains there is nowhere to begin.
+        for begin in _distinct(kept)[: SHORT_BASINS if short else BASINS]:
             runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
         _halve(runs, SHORT_ROUNDS if short else ROUNDS, first, progress)
         if not short:

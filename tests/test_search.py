@@ -1,5 +1,6 @@
 """The search is anytime: an interrupt ends it with the best so far, and its clock is kept."""
 
+import math
 import os
 import signal
 import statistics
@@ -14,11 +15,12 @@ from typing import Any
 import numpy as np
 import pytest
 from gaincert.models.errors import InputError, UndecidedError
+from gaincert.models.fleet import floats
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.design import FALLBACK, design, prepare
-from gaincert.synthesis.measure import NEVER, PIECE, Run, cost, measure_all
+from gaincert.synthesis.measure import NEVER, PIECE, STEP, Run, cost, measure_all
 from gaincert.synthesis.rollout import Deadline, Rollout, Settling, Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
@@ -221,3 +223,16 @@ def test_starts_are_drawn_from_the_box_that_is_asked_for() -> None:
         assert 0.8 * half < far <= half
     with pytest.raises(InputError, match=r"box = 0\.0 must be"):
         prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 0.0)
+
+
+@pytest.mark.slow
+def test_what_ranks_is_accurate_enough() -> None:
+    """Two digits and no Jacobian tell the mean settling time as eight digits do: single starts are chaotic."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    candidate = task.candidate("here", Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2))
+    starts, gains = task.starts(Draw.TRAINING, 60), candidate.gains.map(floats)
+    tight = Rollout(task.plant, candidate.excitation, step=STEP, piece=PIECE, reltol=1e-8, abstol=1e-9)
+    true = [tight.settling(gains, start, 2000.0, task.tolerance).time for start in starts]
+    found = [run.time for run in next(measure_all(task, [candidate], starts, 2000.0, None))]
+    chance = math.hypot(*(statistics.stdev(times) / math.sqrt(len(starts)) for times in (found, true)))
+    assert abs(statistics.fmean(found) - statistics.fmean(true)) < 3 * chance < 0.2 * statistics.fmean(true)
