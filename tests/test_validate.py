@@ -9,15 +9,20 @@ import time
 from concurrent.futures import Executor, Future
 from pathlib import Path
 
+import numpy as np
 import pytest
+from gaincert.models.equations import State
 from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.starts import random_starts
 from gaincert.synthesis.rollout import Tolerance
 from gaincert.verify.dispatch import cluster, in_turn, local
+from gaincert.verify.integrators import Adams
 from gaincert.verify.ledger import Ledger
+from gaincert.verify.loop import Loop
 from gaincert.verify.simulate import simulate, summarize
+from gaincert.verify.staged import CALM, GATHERED, OPENING, Staged
 from gaincert.verify.validate import Question, ask, origin_of_states, replay, run_start, validate
-from gaincert.verify.validation import sentences, spread
+from gaincert.verify.validation import SENSITIVE, sentences, spread
 from gaincert.verify.validation import summarize as summarize_all
 
 ROOT = Path(__file__).parent.parent
@@ -91,6 +96,51 @@ def test_an_independent_integrator_gives_the_same_numbers(paper, chosen) -> None
     one, other = (run_start(question(paper, chosen, method=name), 0, start) for name in ("auto", "dop853"))
     assert one["settling_time_s"] == pytest.approx(other["settling_time_s"], rel=0.02)
     assert one["peak_torque_ratio"]["value"] == pytest.approx(other["peak_torque_ratio"]["value"], rel=0.02)
+
+
+def test_a_calm_start_is_integrated_economically(paper, gains_of_paper) -> None:
+    """Where two rough runs agree nothing is spent on accuracy; the error is far below what they differ by."""
+    loop = Loop.of(paper, gains_of_paper, paper.psi)
+    staged = Staged(loop, step=0.25, piece=60.0, tolerance=1e-8)
+    start = random_starts(paper, 1, 777, 30.0)[0]
+    t, states = next(staged.pieces(start))
+    _, reference = next(Adams(loop, step=0.25, piece=60.0, tolerance=1e-15).pieces(start))
+    assert t[-1] == 60.0
+    assert 0 < np.abs(states.x - reference.x).max() < 0.01 * staged.apart < 0.01 * CALM
+
+
+def test_a_chaotic_start_is_integrated_accurately_until_the_fleet_has_gathered(paper, chosen) -> None:
+    loop = Loop.of(paper, chosen.gains, chosen.excitation)
+    staged = Staged(loop, step=0.25, piece=100.0, tolerance=1e-8)
+    start = random_starts(paper, 5, 3, 30.0)[4]
+    times, lengths = [0.0], []
+    for t, states in staged.pieces(start):
+        times += t.tolist()
+        lengths.append(round(t[-1] - times[-len(t) - 1]))
+        away = loop.offsets(State(*(column[-1] for column in states)))
+        if lengths[-1] > OPENING:
+            break
+        near = max(np.hypot(away.x, away.y).max(), np.abs(away.theta).max()) < GATHERED
+        assert near == (lengths == [OPENING, OPENING])
+    assert lengths == [OPENING, OPENING, 100]
+    assert np.diff(times) == pytest.approx(0.25)
+    assert 0 < staged.apart < 1e-3
+
+
+@pytest.mark.slow
+def test_a_chaotic_start_has_the_same_time_in_both_integrators_or_is_called_sensitive(paper, chosen) -> None:
+    """From 60 m a difference of 1e-12 can grow to metres: only runs at the limit of doubles agree."""
+    starts = random_starts(paper, 5, 3, 30.0)
+    results = []
+    for number in (1, 2, 4):
+        asked = (question(paper, chosen, horizon=80.0, method=name) for name in ("auto", "dop853"))
+        one, other = (run_start(each, number, starts[number]) for each in asked)
+        results.append(one)
+        if one["sensitivity_m"] < SENSITIVE:
+            assert one["settling_time_s"] == pytest.approx(other["settling_time_s"], abs=0.01)
+    document = summarize_all(question(paper, chosen), results, 3)
+    assert document["sensitive"] == [2]
+    assert "1 of 3 starts are chaotic at first" in "\n".join(sentences(document))
 
 
 def test_results_are_the_same_in_any_process_and_order(paper, chosen, tmp_path: Path) -> None:

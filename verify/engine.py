@@ -9,9 +9,9 @@ from .scale import Dopri5
 from .staged import Staged
 
 ENGINES: dict[str, tuple[type[Integrator], float]] = {  # and the tolerance that it is used at
-    "cvodes": (Adams, 1e-12),
+    "cvodes": (Adams, 1e-15),
     "staged": (Staged, 1e-8),
-    "dop853": (Dop853, 1e-11),
+    "dop853": (Dop853, 2.5e-14),
     "scale": (Dopri5, 1e-9),
 }
 LARGE = 1000  # vehicles; from here the explicit engine is the faster one, docs/performance.md

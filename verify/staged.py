@@ -1,7 +1,7 @@
-"""CVODES in two stages: very accurate while the fleet gathers, economical afterwards.
+"""CVODES as accurate as a start asks for: economical where the motion is calm, at the limit of doubles where it is not.
 
 Far from the goal the closed loop can be chaotic: under fast gains a disturbance of the paper's fleet grows a million
-to a million million times within 20 s, and with it every error of integration. Later the motion contracts.
+to a million million times before it has gathered, and with it every error of integration. Later the motion contracts.
 """
 
 from __future__ import annotations
@@ -14,40 +14,52 @@ from ..models.equations import State
 from .integrators import Adams, Cvodes, Integrator
 from .loop import Floats, Loop
 
-OPENING = 20.0  # s
-OPENING_TOLERANCE = 1e-12
+ROUGH_TOLERANCES = (1e-5, 1e-6)  # of the two runs that tell whether a start is calm
+CALM = 0.05  # m, by which they may differ there: the economical run then errs by some tenths of a millimetre
+OPENING = 20.0  # s, between two looks at whether the fleet has gathered
+OPENING_TOLERANCE = 1e-15
+SECOND_TOLERANCE = 1e-12  # of a second opening, which tells how far the first can be relied on
+GATHERED = 0.1  # m and rad, from all places: what is left is small against the usual tolerances
 
 
 class Staged(Integrator):
-    """Adams at OPENING_TOLERANCE up to about OPENING, then backward differentiation at `tolerance`."""
+    """Backward differentiation at `tolerance`; before that, where a start is not calm, Adams until it has gathered."""
 
     def __init__(self, loop: Loop, *, step: float, piece: float, tolerance: float) -> None:
-        """Build both stages; `piece` is that of the second."""
+        """Build all stages; `piece` is that of the economical one, and the time over which a start must be calm."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
         opening = max(step, min(piece, OPENING))
+        self._rough = [Cvodes(loop, step=step, piece=piece, tolerance=rough) for rough in ROUGH_TOLERANCES]
         self._opening = Adams(loop, step=step, piece=opening, tolerance=OPENING_TOLERANCE)
-        self._rough = Cvodes(loop, step=step, piece=opening, tolerance=tolerance)
+        self._second = Adams(loop, step=step, piece=opening, tolerance=SECOND_TOLERANCE)
         self._cruise = Cvodes(loop, step=step, piece=piece, tolerance=tolerance)
+        self.apart = 0.0  # m, by which two runs of the last start ever differed; beyond some, nobody knows the true one
 
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """See `Integrator`."""
-        t, state = next(self._opening.pieces(start, begin))
-        yield t, state
-        yield from self._cruise.pieces(_last(state), float(t[-1]))
+        one, other = (next(rough.pieces(start, begin))[1] for rough in self._rough)
+        self.apart = _distance(one, other)
+        if self.apart > CALM:
+            self.apart, state = 0.0, start
+            pairs = zip(self._opening.pieces(start, begin), self._second.pieces(start, begin), strict=False)
+            for (t, states), (_, second) in pairs:
+                self.apart = max(self.apart, _distance(states, second))
+                yield t, states
+                begin, state = float(t[-1]), State(*(column[-1] for column in states))
+                if self._gathered(state):
+                    break
+            start = state
+        yield from self._cruise.pieces(start, begin)
 
     def between(self, t: float, state: State) -> tuple[Floats, State]:
         """See `Integrator`."""
         return self._opening.between(t, state)
 
-    def sensitivity(self, start: State, opening: State) -> float:
-        """How far the opening at `tolerance` ends from the accurate one (K, N), m: small where a run is determined.
-
-        The accurate run's own error is about OPENING_TOLERANCE / tolerance times as large, as long as this is small.
-        """
-        _, rough = next(self._rough.pieces(start))
-        end = min(len(rough.x), len(opening.x)) - 1
-        return float(np.hypot(rough.x[end] - opening.x[end], rough.y[end] - opening.y[end]).max())
+    def _gathered(self, state: State) -> bool:
+        away = self.loop.offsets(state)
+        return float(max(np.hypot(away.x, away.y).max(), np.abs(away.theta).max())) < GATHERED
 
 
-def _last(state: State) -> State:
-    return State(*(column[-1] for column in state))
+def _distance(one: State, other: State) -> float:
+    """The largest distance between two runs of a fleet, (K, N) each, m."""
+    return float(np.hypot(one.x - other.x, one.y - other.y).max())

@@ -119,8 +119,7 @@ def run_start(question: Question, number: int, start: State) -> dict[str, Any]:
     """One start: the line of the ledger. An integrator that gives up is a failure of the start, not of the whole."""
     try:
         method = _method(question)
-        outcome, opening = observe(method, question, start)
-        sensitivity = method.sensitivity(start, opening) if isinstance(method, Staged) else None
+        outcome = observe(method, question, start)
     except UndecidedError as error:
         return {"start": number, "settling_time_s": None, "failure": str(error), "gave_up": True, "violations": []}
     settled = math.isfinite(outcome.settling_time)
@@ -138,7 +137,7 @@ def run_start(question: Question, number: int, start: State) -> dict[str, Any]:
         "max_V_increase": outcome.energy_rise,
         "physical_limit_s": physical_limit(question.loop, start),
         "violations": violations(question.loop, outcome, start, method.tolerance, question.names),
-        "sensitivity_m": sensitivity,
+        "sensitivity_m": method.apart if isinstance(method, Staged) else None,
     }
 
 
@@ -157,14 +156,12 @@ def replay(
     return result, stored, trajectory(method, np.concatenate(times), whole)
 
 
-def observe(method: Integrator, question: Question, start: State) -> tuple[Outcome, State]:
-    """A run from a start to the horizon: what it says, and its first piece, (K, N)."""
+def observe(method: Integrator, question: Question, start: State) -> Outcome:
+    """What a run from a start to the horizon says."""
     observer = Observer(question.loop, method, question.tolerance, start)
-    opening: State | None = None
     for t, state in points(method, question.horizon, start):
         observer.see(t, state)
-        opening = opening or state
-    return observer.outcome(), opening or start
+    return observer.outcome()
 
 
 def points(method: Integrator, horizon: float, start: State) -> Iterator[tuple[Floats, State]]:
