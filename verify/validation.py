@@ -90,8 +90,8 @@ def sentences(document: dict[str, Any]) -> list[str]:
         )
     if document["sensitive"]:
         lines.append(
-            f"{len(document['sensitive'])} of {document['starts']} starts are chaotic at first: rounding errors choose their times, "
-            "and only the figures over all starts mean something"
+            f"{len(document['sensitive'])} of {document['starts']} starts are chaotic at first: "
+            "rounding errors choose their times, and only the figures over all starts mean something"
         )
     lines += [f"FALSE: start {entry['start']}: {entry['what']}" for entry in document["violations"][:SHOWN]]
     lines += [f"start {entry['start']}: {entry['failure']}" for entry in document["failures"][:SHOWN]]
