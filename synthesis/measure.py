@@ -22,7 +22,7 @@ TAIL = 8  # the worst one start in so many is the tail: its mean is less a matte
 TAIL_SHARE = 0.25  # of the tail in the cost, beside the mean
 FINER_SHARE = 0.03  # of the time to half the tolerance: what comes after settling must not be traded away
 LATE = 6.0  # mean settling times: what a start needs beyond it for half the tolerance is late
-LATE_SHARE = 0.0625  # of the mean lateness in the tail; below 1 / LATE, or settling later would pay
+LATE_SHARE = 0.6  # of the lateness in the tail; at most 1, or settling later would pay
 FLOW_ACCURACY = 1e-3  # relative, of the averaged flow
 LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
 STEP = 0.5  # s between the points at which a rollout is looked at
@@ -100,7 +100,8 @@ def cost(runs: Sequence[Run], horizon: float) -> float:
     times = [_counted(run.time, run.excess, horizon) for run in runs]
     finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
     mean = statistics.fmean(times)
-    late = _tail(max(0.0, time - LATE * mean) for time in finer)
+    # Late starts are few, and by how much is a matter of decades: as a logarithm, one of them does not decide.
+    late = mean * _tail(math.log(max(1.0, time / (LATE * mean))) for time in finer) if mean else 0.0
     return mean + TAIL_SHARE * _tail(times) + FINER_SHARE * statistics.fmean(finer) + LATE_SHARE * late
 
 

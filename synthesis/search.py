@@ -30,20 +30,21 @@ Make = Callable[[Point], "Candidate"]
 Compared = tuple[float, "Candidate"]  # a cost, s, and whose it is
 
 ORIGIN = "time-domain search"
-TRAINING_STARTS = 32  # fewer are overfitted: THEORY section 3
-OTHER_STARTS = 128  # on which what a run met is compared: the training starts flatter it
+TRAINING_STARTS = 128  # few are overfitted (THEORY section 3): every generation takes others of them
+OTHER_STARTS = 160  # on which what a run met is compared: the training starts flatter it
 SIMULATED_VEHICLES = 2000  # in all starts together: a large fleet is searched on fewer
-SCALARS_STARTS = 12  # of those, for the scalars alone
+SCALARS_STARTS = 12  # of a generation, for the scalars alone
+ROLES_STARTS = 16
 GENERATIONS = 10  # between two comparisons
 SHORT_STARTS = 8  # beside the fleet's own
-FIRST_SHARE = 0.4  # of the starts, on which the better half of a generation is chosen
+FIRST_SHARE = 0.4  # of those, on which the better half of a generation is chosen
 EXPLORED = 240  # scalars tried at random
 SHORT_EXPLORED = 48
 EXPLORED_STARTS = 4
 EXPLORED_SPREAD = 1.0  # around the incumbents, in logarithms
 BATCH = 24  # of them at a time: what is found limits how long the next are simulated
 POPULATION = 12
-ROLES_POPULATION = 24  # more numbers, and noise: near the same gains, chaotic motion takes other times
+ROLES_POPULATION = 40  # more numbers, and noise: near the same gains, chaotic motion takes other times
 HORIZON = 6.0  # times the least mean settling time so far
 LEAST_HORIZON = 60.0  # s
 HOPELESS = 0.5  # of the horizon: a mean settling time beyond which a candidate is not run to the end
@@ -57,7 +58,7 @@ SHORT_ROUNDS = 2
 SCALARS = 6
 SCALARS_SHARE = 0.25  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
-ROLES_ROUNDS = 40
+PATIENCE = 10  # comparisons without anything better after which roles are searched from the next beginning
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.5  # in logarithms: beginnings nearer than this lead to the same place
@@ -76,7 +77,7 @@ def search(
 
     The landscape has many basins: the incumbents and random scalars around them are tried, the best BASINS go on for
     GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
-    with every gain of every role, and where that converges, the next best follows.
+    with every gain of every role, and where that finds nothing better any more, the next best follows.
     With `short` fewer are tried, the best SHORT_BASINS go on, for SHORT_ROUNDS, and that is all.
     An interrupt ends it with what it has, unless it is short. For one seed the generations are the same: only the
     clock can change the result.
@@ -120,7 +121,7 @@ def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Prog
 def _search_roles(
     trials: _Trials, begins: Sequence[Scalars], runs: list[_Run], deadline: Deadline, progress: Progress
 ) -> None:
-    """Go on with the gains of every role from one beginning until that converges, then from the next.
+    """Go on with the gains of every role from one beginning until nothing better is found, then from the next.
 
     The runs are appended to `runs`, which an interrupt leaves as far as they came.
     """
@@ -129,10 +130,13 @@ def _search_roles(
         if deadline.passed:
             break
         point = np.concatenate([begin.logarithms(), np.zeros(more)])
-        run = _Run(trials, make, point, len(trials.starts), ROLES_POPULATION, ROLES_SPREAD)
+        run = _Run(trials, make, point, ROLES_STARTS, ROLES_POPULATION, ROLES_SPREAD)
         runs.append(run)
-        for _ in range(ROLES_ROUNDS):
+        waited = 0
+        while waited < PATIENCE and not (deadline.passed or run.converged):
+            before = run.best
             run.advance(GENERATIONS, deadline, progress)
+            waited = 0 if run.best < before else waited + 1
 
 
 class _Trials:
@@ -242,10 +246,10 @@ class _Run:
         population: int = POPULATION,
         spread: float = SPREAD,
     ) -> None:
-        """Begin; the strategy learns from the first `starts` of the training starts."""
+        """Begin; every generation learns from `starts` of the training starts."""
         import cma
 
-        self._trials, self._make, self._starts = trials, make, trials.starts[:starts]
+        self._trials, self._make, self._count = trials, make, starts
         self.elite: list[Compared] = []  # the best, least cost first
         self._trained: list[Compared] = []  # the best of all generations on the training starts
         self._met: list[Candidate] = []  # the centre of the last generation and its best
@@ -282,16 +286,23 @@ class _Run:
         elif self._strategy.countiter > before:
             self.elite, self._met = _sorted([*self.elite, *self._trials.compared(self._met)])[:ELITE], []
 
+    def _next_starts(self) -> list[State]:
+        """The training starts of a generation: others than the last had, as far as there are others."""
+        every = self._trials.starts
+        begin = self._strategy.countiter * self._count
+        return [every[k % len(every)] for k in range(begin, begin + min(self._count, len(every)))]
+
     def _generation(self) -> None:
         points = [np.asarray(point) for point in self._strategy.ask()]
         candidates = {k: found for k, point in enumerate(points) if (found := _possible(self._make, point))}
-        few = math.ceil(FIRST_SHARE * len(self._starts))
+        starts = self._next_starts()
+        few = math.ceil(FIRST_SHARE * len(starts))
         horizon = self._trials.horizon
-        first = self._trials.measured(candidates, self._starts[:few])
+        first = self._trials.measured(candidates, starts[:few])
         costs = {k: cost(one, horizon) for k, one in first.items()}
         # The strategy learns from the order, mostly of the better half: only that half goes on to the other starts.
         better = sorted(costs, key=costs.__getitem__)[: math.ceil(len(points) / 2)]
-        rest = self._trials.measured({k: candidates[k] for k in better}, self._starts[few:])
+        rest = self._trials.measured({k: candidates[k] for k in better}, starts[few:])
         runs = {k: first[k] + one for k, one in rest.items()}
         whole = {k: cost(one, horizon) for k, one in runs.items()}
         behind = max(whole.values(), default=0.0)

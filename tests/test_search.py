@@ -31,7 +31,7 @@ ROOT = Path(__file__).parent.parent
 @pytest.mark.slow
 def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("BASINS", "ROUNDS", "ROLES_ROUNDS", "GENERATIONS"):
+    for name in ("BASINS", "ROUNDS", "PATIENCE", "GENERATIONS"):
         monkeypatch.setattr(search_module, name, 2)
     # As many as mode "fast" learns from: the worst of the starts below tells an overfitted search.
     for name in ("TRAINING_STARTS", "OTHER_STARTS"):
@@ -91,7 +91,8 @@ def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
     runs = [Run(40.0, 60.0, 0.5)] * 32
     late, many = ([runs[0]._replace(finer=time)] * count for time, count in ((1060.0, 1), (91.25, 32)))
     assert statistics.fmean(run.finer for run in [*late, *runs[1:]]) == statistics.fmean(run.finer for run in many)
-    assert cost([*late, *runs[1:]], 1000.0) > cost(many, 1000.0) + 10
+    # More than a tenth of the mean, but chance among few starts must not decide either.
+    assert 0.1 * 40.0 < cost([*late, *runs[1:]], 1000.0) - cost(many, 1000.0) < 0.4 * 40.0
 
 
 def test_settling_later_never_pays() -> None:
