@@ -37,6 +37,7 @@ def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPat
     for name in ("TRAINING_STARTS", "OTHER_STARTS"):
         monkeypatch.setattr(search_module, name, search_module.SHORT_STARTS)
     monkeypatch.setattr(search_module, "EXPLORED", 12)
+    monkeypatch.setattr(search_module, "ROLES_POPULATION", 12)
     asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
     with local() as (executor, _):
         fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
