@@ -13,6 +13,7 @@ import numpy as np
 from ..models.equations import State
 from .integrators import Adams, Cvodes, Integrator
 from .loop import Floats, Loop
+from .observer import distances
 
 ROUGH_TOLERANCES = (1e-5, 1e-6)  # of the two runs that tell whether a start is calm
 CALM = 0.05  # m, by which they may differ there: the economical run then errs by some tenths of a millimetre
@@ -56,8 +57,8 @@ class Staged(Integrator):
         return self._opening.between(t, state)
 
     def _gathered(self, state: State) -> bool:
-        away = self.loop.offsets(state)
-        return float(max(np.hypot(away.x, away.y).max(), np.abs(away.theta).max())) < GATHERED
+        position, heading = distances(self.loop, state)
+        return bool(max(position.max(), heading.max()) < GATHERED)
 
 
 def _distance(one: State, other: State) -> float:
