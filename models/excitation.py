@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
 from heapq import heapify, heappop, heappush
@@ -60,8 +60,14 @@ class Excitation:
         psi = ops.number(self.mean)
         for n, s, c in self.coefficients():
             phase = ops.number(n * self.frequency) * t
-            psi = psi + scale * (ops.number(s) * ops.sin(phase) + ops.number(c) * ops.cos(phase))
+            parts = [ops.number(a) * wave(phase) for a, wave in ((s, ops.sin), (c, ops.cos)) if a]
+            psi = psi + scale * sum(parts[1:], parts[0])
         return psi
+
+    def map(self, convert: Callable[[Fraction], Any]) -> Excitation:
+        """The same psi with every number converted: to floats, where it is evaluated often."""
+        numbers: dict[str, Any] = {"sin": tuple(map(convert, self.sin)), "cos": tuple(map(convert, self.cos))}
+        return replace(self, mean=convert(self.mean), frequency=convert(self.frequency), **numbers)
 
     def table(self) -> dict[str, Any]:
         """The [excitation] table of a fleet file that says the same, numbers as exact decimal strings."""

@@ -54,23 +54,24 @@ def numpy_ops() -> Ops:
     return Ops(float, math.pi, np.sin, np.cos, np.tanh, log_cosh, _edge_difference, _edge_sum)
 
 
+def sparse_ops(graph: Graph, number: type[Any] = float) -> Ops:
+    """Ops over NumPy arrays of type `number` for one graph, large or in many states at once: compiled sparse sums."""
+    import numpy as np
+    from scipy.sparse import csr_array
+
+    signs = np.repeat(np.array([1, -1], dtype=number), graph.edges)
+    edges, ends = np.tile(np.arange(graph.edges), 2), np.concatenate([graph.tail, graph.head])
+    incidence = csr_array((signs, (ends, edges)), shape=(graph.vehicles, graph.edges))
+    return replace(numpy_ops(), number=number, edge_sum=lambda _graph, f: (incidence @ f.T).T)
+
+
 def flat_ops(graph: Graph) -> Ops:
     """Ops over NumPy float arrays for one large graph: sparse sums at the vehicles, sin and cos by one vectorised tan.
 
     An array must not change while it is in use: what was found for it is kept until another one comes.
     """
-    from scipy.sparse import csr_array
-
-    signs, edges = [1.0] * graph.edges + [-1.0] * graph.edges, list(range(graph.edges)) * 2
-    ends = [*graph.tail, *graph.head]
-    incidence = csr_array((signs, (ends, edges)), shape=(graph.vehicles, graph.edges))
     turn = _half_angle()
-    return replace(
-        numpy_ops(),
-        sin=lambda s: turn(s)[0],
-        cos=lambda s: turn(s)[1],
-        edge_sum=lambda _graph, f: (incidence @ f.T).T,
-    )
+    return replace(sparse_ops(graph), sin=lambda s: turn(s)[0], cos=lambda s: turn(s)[1])
 
 
 def _half_angle() -> Callable[[Array], tuple[Array, Array]]:
@@ -145,7 +146,8 @@ def casadi_ops() -> Ops:
 
 
 def _edge_difference(graph: Graph, z: Array) -> Array:
-    return z[..., graph.tail] - z[..., graph.head]
+    # Transposed, so that what is gathered are whole rows: arrays over many states have the vehicles outermost.
+    return (z.T[graph.tail] - z.T[graph.head]).T
 
 
 def _edge_sum(graph: Graph, f: Array) -> Array:

@@ -37,6 +37,7 @@ SEARCHED_VEHICLES = 20  # up to here mode "fast" searches a little as well
 FAST_SECONDS = 300.0  # of that search at most: a guard for busy machines, half a minute is usual
 LARGEST_BOX = 1e6  # m
 LONGEST = 20_000.0  # s, of a rollout
+RANKING_SHARES = (1 / 64, 1 / 16, 1 / 4, 1.0)  # of it, tried in turn: the slowest candidate would hold up all others
 FREQUENCY_RANGE = (0.02, 20.0)  # rad/s, of a designed psi
 FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
 
@@ -172,16 +173,16 @@ def design(
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
     candidates, horizon = _candidates(task)
-    starts = task.starts(Draw.RANKING, RANKING_STARTS, RANKED_VEHICLES)
-    ranked, times = rank(task, candidates, starts, horizon, executor, progress)
-    if mode == "best" or len(fleet) <= SEARCHED_VEHICLES:
+    searched = mode == "best" or len(fleet) <= SEARCHED_VEHICLES
+    if searched:
         from .search import search
 
         limit = time_limit if mode == "best" else FAST_SECONDS
-        finalists = search(task, ranked, horizon, limit, mode == "fast", executor, progress)
-        starts = task.starts(Draw.RANKING, FINAL_STARTS, RANKED_VEHICLES)
-        ranked, times = rank(task, finalists, starts, horizon, executor, progress, keep=mode == "best")
-        last = task.starts(Draw.LAST_CHOICE, LAST_STARTS, LAST_VEHICLES) if mode == "best" else []
+        candidates = search(task, candidates, horizon, limit, mode == "fast", executor, progress)
+    starts = task.starts(Draw.RANKING, FINAL_STARTS if searched else RANKING_STARTS, RANKED_VEHICLES)
+    ranked, times = rank(task, candidates, starts, horizon, executor, progress, keep=mode == "best")
+    if mode == "best":
+        last = task.starts(Draw.LAST_CHOICE, LAST_STARTS, LAST_VEHICLES)
         if len(last) > len(starts):
             try:
                 ranked, times = rank(task, ranked[:LAST_CANDIDATES], last, horizon, executor, progress)
@@ -309,13 +310,18 @@ def rank(
 ) -> tuple[list[Candidate], list[float]]:
     """The candidates by cost over the starts, least first, and the settling times (s) of the first.
 
+    They are simulated up to a share of the horizon, and further only where none of them settles from every start.
     With `keep` an interrupt leaves those that have been measured, if there are any.
     """
     found: list[tuple[float, int, list[float]]] = []
     try:
-        for number, measured in enumerate(measure_all(task, candidates, starts, horizon, executor)):
-            found.append((cost(measured, horizon), number, [run.time for run in measured]))
-            progress("ranking candidates by simulation", (number + 1) / len(candidates))
+        for share in RANKING_SHARES:
+            found, end = [], share * horizon
+            for number, measured in enumerate(measure_all(task, candidates, starts, end, executor)):
+                found.append((cost(measured, end), number, [run.time for run in measured]))
+                progress("ranking candidates by simulation", (number + 1) / len(candidates))
+            if any(max(times) < math.inf for _, _, times in found):
+                break
     except KeyboardInterrupt:
         if not (keep and found):
             raise

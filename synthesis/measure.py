@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import math
+import os
 import statistics
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from ..models.equations import Plant, State, across
 from ..models.errors import UndecidedError
 from ..models.fleet import floats
 from ..models.ops import numpy_ops
-from .rates import CrossTrack
-from .rollout import Rollout, Settling, Tolerance
+from .batch import MAX_STEPS, Trial, settle_all
+from .rollout import Settling, Tolerance
+from .tails import tail_times
 
 if TYPE_CHECKING:
     from .design import Candidate, Task
@@ -23,12 +27,8 @@ TAIL_SHARE = 0.25  # of the tail in the cost, beside the mean
 FINER_SHARE = 0.03  # of the time to half the tolerance: what comes after settling must not be traded away
 LATE = 6.0  # mean settling times: what a start needs beyond it for half the tolerance is late
 LATE_SHARE = 0.6  # of the lateness in the tail; at most 1, or settling later would pay
-FLOW_ACCURACY = 1e-3  # relative, of the averaged flow
+JOB_VEHICLES = 16_384  # simulated in one job, all its rollouts together
 LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
-STEP = 0.5  # s between the points at which a rollout is looked at
-PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
-# Enough to rank: test_what_ranks_is_accurate_enough compares the mean settling time with that at tolerances of 1e-8.
-ACCURACY: dict[str, Any] = {"reltol": 1e-2, "abstol": 1e-4, "multistep": "adams", "iteration": "functional"}
 
 
 class Run(NamedTuple):
@@ -37,10 +37,11 @@ class Run(NamedTuple):
     time: float  # s, from which on the fleet is settled; inf where not by the horizon
     finer: float  # s, the same for half the tolerance, followed by the averaged flow once the fleet is settled
     excess: float  # the largest error over its tolerance at the end
+    steps: int = 0  # of integration that it took
 
 
 NEVER = Run(math.inf, math.inf, math.inf)
-Job = tuple[Plant, "Candidate", Sequence[State], float, Tolerance, float]
+Job = tuple[Plant, Sequence["Candidate"], Sequence[State], float, Tolerance, float, int]
 
 
 def measure_all(
@@ -50,49 +51,59 @@ def measure_all(
     horizon: float,
     executor: Executor | None,
     hopeless: float = math.inf,
+    steps: int = MAX_STEPS,
 ) -> Iterator[list[Run]]:
     """The measurements of candidates in turn, over common starts, in other processes where there is an executor.
 
-    A candidate whose mean settling time is beyond `hopeless` (s) whatever the rest does is not run to the end.
+    A candidate whose mean settling time is beyond `hopeless` (s) whatever the rest does is not run to the end, and no
+    rollout takes more than so many steps.
     """
-    jobs: list[Job] = [(task.plant, candidate, starts, horizon, task.tolerance, hopeless) for candidate in candidates]
+    columns = len(candidates) * len(starts) * len(task.fleet)
+    cores = os.cpu_count() or 1 if executor else 1
+    rounds = math.ceil(columns / (cores * JOB_VEHICLES))
+    each = max(1, math.ceil(len(candidates) / (cores * rounds)))  # candidates of one job
+    jobs: list[Job] = [
+        (task.plant, candidates[k : k + each], starts, horizon, task.tolerance, hopeless, steps)
+        for k in range(0, len(candidates), each)
+    ]
     try:
-        yield from executor.map(measure, jobs) if executor else map(measure, jobs)
+        for found in executor.map(measure, jobs) if executor else map(measure, jobs):
+            yield from found
     except BrokenExecutor:
         raise UndecidedError("design: a worker process died or took too long; run the same command again") from None
 
 
-def measure(job: Job) -> list[Run]:
-    """How the fleet settles from every start; never, where the integrator gave up."""
-    plant, candidate, starts, horizon, tolerance, hopeless = job
-    piece = max(PIECE, 2 * math.pi / float(candidate.excitation.frequency))
-    rollout = Rollout(plant, candidate.excitation, step=STEP, piece=piece, **ACCURACY)
-    gains = candidate.gains.map(floats)
-    runs: list[Run] = []
-    try:
-        track = CrossTrack(plant, gains, candidate.excitation)
-    except UndecidedError:  # such gains are of no use to anybody
-        return [NEVER] * len(starts)
-    for start in starts:
-        if sum(min(run.time, horizon) for run in runs) > hopeless * len(starts):
-            break
-        try:
-            settling = rollout.settling(gains, start, horizon, tolerance)
-        except UndecidedError:
-            runs.append(NEVER)
-        else:
-            runs.append(Run(settling.time, _finer(track, rollout, settling, tolerance), settling.excess))
-    return [*runs, *[NEVER] * (len(starts) - len(runs))]
+def measure(job: Job) -> list[list[Run]]:
+    """How the fleet settles under every candidate from every start; never, where the integrator gave up."""
+    plant, candidates, starts, horizon, tolerance, hopeless, steps = job
+    trials = [Trial(candidate.gains.map(floats), candidate.excitation) for candidate in candidates]
+    settled = settle_all(plant, trials, starts, horizon, tolerance, hopeless, steps)
+    later = [
+        (k, settling) for k, row in enumerate(settled) for settling in row if settling and math.isfinite(settling.time)
+    ]
+    times = iter(_later(plant, trials, later, tolerance))
+    return [[_run(settling, times) for settling in row] for row in settled]
 
 
-def _finer(track: CrossTrack, rollout: Rollout, settling: Settling, tolerance: Tolerance) -> float:
-    """When the fleet is within half the tolerance, s: in the rollout, or by the averaged flow from its end on."""
-    if not math.isfinite(settling.time):
-        return math.inf
-    if settling.excess <= 0.5:
-        return settling.time
-    side = across(numpy_ops(), rollout.plant.leader_theta, *rollout.offsets(settling.final))
-    return settling.end + track.time_to(side, tolerance.position / 2, tolerance.heading / 2, FLOW_ACCURACY)[0]
+def _later(
+    plant: Plant, trials: Sequence[Trial], ends: Sequence[tuple[int, Settling]], tolerance: Tolerance
+) -> list[float]:
+    """When the fleets that have settled, each under a trial, are within half the tolerance, s: by the averaged flow."""
+    if not ends:
+        return []
+    x, y = np.array([(settling.final.x, settling.final.y) for _, settling in ends]).transpose(1, 2, 0)
+    away = x - (plant.offset_x + plant.leader_x)[:, None], y - (plant.offset_y + plant.leader_y)[:, None]
+    side = across(numpy_ops(), plant.leader_theta, *away)
+    half = Tolerance(tolerance.position / 2, tolerance.heading / 2)
+    tails = tail_times(plant, trials, [trial for trial, _ in ends], side, half).tolist()
+    return [end.time if end.excess <= 0.5 else end.end + tail for (_, end), tail in zip(ends, tails, strict=True)]
+
+
+def _run(settling: Settling | None, later: Iterator[float]) -> Run:
+    if settling is None:
+        return NEVER
+    finer = next(later) if math.isfinite(settling.time) else math.inf
+    return Run(settling.time, finer, settling.excess, settling.steps)
 
 
 def cost(runs: Sequence[Run], horizon: float) -> float:

@@ -97,7 +97,7 @@ class CrossTrack:
                     "are a weight, a limit or a parameter of the fleet of the wrong size?"
                 ) from None
         turns = np.linspace(0, 2 * math.pi, SWING_PHASES) / float(excitation.frequency)
-        self._phases = [np.exp(1j * w * turns)[:, None] for w, _ in excitation.phasors()]
+        self._phases = [np.exp(1j * w * turns) for w, _ in excitation.phasors()]
 
     def flow(self, y: Floats) -> Floats:
         """c(y), m/s, for cross-track errors y (N,) or (N, K) in m; cubic in y."""
@@ -110,10 +110,10 @@ class CrossTrack:
         return c
 
     def swing(self, y: Floats) -> Floats:
-        """The largest distance of each heading from theta_l over one period of psi, rad, (N,)."""
+        """The largest distance of each heading from theta_l over one period of psi, rad, shaped as y."""
         b = self._L @ y
-        solved = (heading.solve((amplitude * b).astype(complex)) for _, amplitude, heading, _ in self._tones)
-        swings = sum((phase * theta).imag for phase, theta in zip(self._phases, solved, strict=True))
+        solved = (heading.solve((amplitude * b.T).T.astype(complex)) for _, amplitude, heading, _ in self._tones)
+        swings = sum(np.multiply.outer(phase, theta).imag for phase, theta in zip(self._phases, solved, strict=True))
         return np.asarray(np.max(np.abs(swings), axis=0))
 
     def time_to(self, start: Floats, position: float, heading: float, accuracy: float = 1e-6) -> tuple[float, float]:

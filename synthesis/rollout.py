@@ -146,6 +146,7 @@ class Settling(NamedTuple):
     excess: float  # the largest error over its tolerance during the last piece
     end: float  # s, when the rollout ended
     final: State  # then, (N,) each
+    steps: int = 0  # of integration that it took, where they were counted
 
 
 class Deadline:

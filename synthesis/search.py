@@ -6,9 +6,9 @@ import logging
 import math
 import statistics
 import warnings
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.starts import Draw
-from .measure import Run, cost, measure_all
+from .batch import MAX_STEPS
+from .measure import cost, measure_all
 from .rollout import Deadline
 from .structure import Scalars
 
@@ -30,35 +31,33 @@ Make = Callable[[Point], "Candidate"]
 Compared = tuple[float, "Candidate"]  # a cost, s, and whose it is
 
 ORIGIN = "time-domain search"
-TRAINING_STARTS = 128  # few are overfitted (THEORY section 3): every generation takes others of them
-OTHER_STARTS = 160  # on which what a run met is compared: the training starts flatter it
-SIMULATED_VEHICLES = 2000  # in all starts together: a large fleet is searched on fewer
-SCALARS_STARTS = 12  # of a generation, for the scalars alone
-ROLES_STARTS = 16
+TRAINING_STARTS = 320  # few are overfitted (THEORY section 3): every generation takes others of them
+OTHER_STARTS = 320  # on which what a run met is compared: the training starts flatter it
+SIMULATED_VEHICLES = 4000  # in all starts together: a large fleet is searched on fewer
+SCALARS_STARTS = 24  # of a generation, for the scalars alone
+SHORT_SCALARS_STARTS = 12
+ROLES_STARTS = 64
 GENERATIONS = 10  # between two comparisons
-SHORT_STARTS = 8  # beside the fleet's own
-FIRST_SHARE = 0.4  # of those, on which the better half of a generation is chosen
-EXPLORED = 240  # scalars tried at random
-SHORT_EXPLORED = 48
-EXPLORED_STARTS = 4
+SHORT_STARTS = 24
+EXPLORED = 960  # scalars tried at random
+SHORT_EXPLORED = 240
+EXPLORED_STARTS = 8
 EXPLORED_SPREAD = 1.0  # around the incumbents, in logarithms
-BATCH = 24  # of them at a time: what is found limits how long the next are simulated
+BATCH = 240  # of them at a time: what is found limits how long the next are simulated
 POPULATION = 12
 ROLES_POPULATION = 40  # more numbers, and noise: near the same gains, chaotic motion takes other times
-HORIZON = 6.0  # times the least mean settling time so far
-LEAST_HORIZON = 60.0  # s
-HOPELESS = 0.5  # of the horizon: a mean settling time beyond which a candidate is not run to the end
+LEAST_MEAN = 10.0  # s: a fleet that is settled from the start leaves a horizon
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
 BASINS = 8
-SHORT_BASINS = 2
+SHORT_BASINS = 4
 FINALISTS = 2  # runs whose finds are ranked in the end
 ROUNDS = 12
 SHORT_ROUNDS = 2
 SCALARS = 6
-SCALARS_SHARE = 0.25  # of the time, for the scalars alone
+SCALARS_SHARE = 0.2  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
-PATIENCE = 10  # comparisons without anything better after which roles are searched from the next beginning
+PATIENCE = 8  # comparisons without anything better after which roles are searched from the next beginning
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.5  # in logarithms: beginnings nearer than this lead to the same place
@@ -83,7 +82,7 @@ def search(
     clock can change the result.
     """
     starts = task.starts(Draw.TRAINING, SHORT_STARTS if short else TRAINING_STARTS, SIMULATED_VEHICLES)
-    others = [] if short else task.starts(Draw.COMPARISON, OTHER_STARTS, SIMULATED_VEHICLES)
+    others = task.starts(Draw.COMPARISON, SHORT_STARTS if short else OTHER_STARTS, SIMULATED_VEHICLES)
     trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
@@ -92,8 +91,9 @@ def search(
         kept = _explored(trials, incumbents, SHORT_EXPLORED if short else EXPLORED, first, progress)
         # Where only convex programs found gains there is nowhere to begin.
         for begin in _distinct(kept)[: SHORT_BASINS if short else BASINS]:
-            runs.append(_Run(trials, _fleet_wide(task), begin.logarithms(), SCALARS_STARTS))
-        _halve(runs, SHORT_ROUNDS if short else ROUNDS, first, progress)
+            runs.append(_Run(task.seed, _fleet_wide(task), begin.logarithms(), POPULATION, SPREAD))
+        count, rounds = (SHORT_SCALARS_STARTS, SHORT_ROUNDS) if short else (SCALARS_STARTS, ROUNDS)
+        _halve(trials, runs, count, rounds, first, progress)
         if not short:
             compared = [*(found for run in runs for found in run.elite), *trials.compared(kept[:ELITE])]
             kept, runs = [candidate for _, candidate in _sorted(compared)], []
@@ -106,15 +106,15 @@ def search(
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
     best = sorted(runs, key=lambda run: run.best)[:FINALISTS]
-    tried = [] if short else [candidate for candidate in kept[:ELITE] if candidate not in incumbents]
-    return [*(found for run in best for found in run.finds()), *tried, *incumbents]
+    return [*(found for run in best for found in run.finds()), *kept[:ELITE]] or list(incumbents)
 
 
-def _halve(runs: Sequence[_Run], rounds: int, deadline: Deadline, progress: Progress) -> None:
+def _halve(
+    trials: _Trials, runs: Sequence[_Run], count: int, rounds: int, deadline: Deadline, progress: Progress
+) -> None:
     """Advance all runs, then the better half, then the better half of those, and so on; in the end the best alone."""
     for _ in range(rounds):
-        for run in runs:
-            run.advance(GENERATIONS, deadline, progress)
+        _advance(trials, runs, count, deadline, progress)
         runs = sorted(runs, key=lambda run: run.best)[: math.ceil(len(runs) / 2)]
 
 
@@ -130,19 +130,51 @@ def _search_roles(
         if deadline.passed:
             break
         point = np.concatenate([begin.logarithms(), np.zeros(more)])
-        run = _Run(trials, make, point, ROLES_STARTS, ROLES_POPULATION, ROLES_SPREAD)
+        run = _Run(trials.task.seed, make, point, ROLES_POPULATION, ROLES_SPREAD)
         runs.append(run)
         waited = 0
         while waited < PATIENCE and not (deadline.passed or run.converged):
             before = run.best
-            run.advance(GENERATIONS, deadline, progress)
+            _advance(trials, [run], ROLES_STARTS, deadline, progress)
             waited = 0 if run.best < before else waited + 1
+
+
+def _advance(trials: _Trials, runs: Sequence[_Run], count: int, deadline: Deadline, progress: Progress) -> None:
+    """GENERATIONS more of all runs at once, from `count` training starts each, then a comparison of what they met."""
+    for generation in range(GENERATIONS):
+        going = [run for run in runs if not run.converged]
+        if deadline.passed or not going:
+            break
+        asked = [run.ask() for run in going]
+        measured = trials.learned([candidate for candidates in asked for candidate in candidates.values()], count)
+        for run, candidates in zip(going, asked, strict=True):
+            run.tell({number: next(measured) for number in candidates})
+        best = min(run.best for run in runs)
+        progress(
+            f"searching: {best:.0f} s" if best < math.inf else "searching",
+            max((generation + 1) / GENERATIONS, deadline.share),
+        )
+    met = [(run, candidate) for run in runs for candidate in run.met]
+    for (run, candidate), (value, _) in zip(met, trials.compared([candidate for _, candidate in met]), strict=True):
+        run.elite = _sorted([*run.elite, (value, candidate)])[:ELITE]
+        run.met = []
+
+
+class _Bounds(NamedTuple):
+    """How far candidates are simulated, in multiples of what the best so far took: few take longer and hold up all."""
+
+    horizon: float  # of its mean settling time
+    hopeless: float  # the same, as the mean of one candidate, beyond which it is not run to the end
+    steps: float  # of the most steps that it took from one start
+
+
+COMPARED, LEARNED, TRIED = _Bounds(6.0, 3.0, 10.0), _Bounds(3.0, 2.0, 5.0), _Bounds(3.0, 1.3, 3.0)
 
 
 class _Trials:
     """Simulates candidates over common starts, only as far as the best so far makes worth while.
 
-    The strategies learn from `starts`; what they met is compared over `others`, where there are any.
+    The strategies learn from `starts`; what they met is compared over `others`.
     """
 
     def __init__(
@@ -154,41 +186,51 @@ class _Trials:
         executor: Executor | None,
     ) -> None:
         self.task, self.starts, self.others = task, starts, others
-        self.horizon, self._executor = horizon, executor
+        self._horizon, self._executor = horizon, executor
+        self.least, self._steps = math.inf, MAX_STEPS  # mean settling time (s) and most steps of the best so far
+        self._next = 0  # of the training starts
 
-    def measured(self, candidates: dict[int, Candidate], starts: Sequence[State]) -> dict[int, list[Run]]:
-        """What simulation from some starts says of numbered candidates."""
-        hopeless = HOPELESS * self.horizon
-        runs = measure_all(self.task, list(candidates.values()), starts, self.horizon, self._executor, hopeless)
-        return dict(zip(candidates, runs, strict=True))
+    def compared(self, candidates: Sequence[Candidate]) -> list[Compared]:
+        """The candidates with their costs over the other starts."""
+        return list(zip(self._costs(candidates, self.others, COMPARED), candidates, strict=True))
 
-    def learn(self, measurements: Iterable[list[Run]]) -> None:
-        """Shorten the horizon by what was measured."""
-        means = (statistics.fmean(run.time for run in runs) for runs in measurements)
-        self.horizon = min([self.horizon, *(max(LEAST_HORIZON, HORIZON * mean) for mean in means)])
-
-    def compared(self, candidates: Sequence[Candidate], starts: Sequence[State] | None = None) -> list[Compared]:
-        """The candidates with their costs over some starts, the others where none are named."""
-        measured = self.measured(dict(enumerate(candidates)), self.others if starts is None else starts).values()
-        costs = [cost(runs, self.horizon) for runs in measured]
-        self.learn(measured)
+    def explored(self, candidates: Sequence[Candidate]) -> list[Compared]:
+        """The candidates with their costs over a few starts."""
+        costs = self._costs(candidates, self.starts[:EXPLORED_STARTS], TRIED)
         return list(zip(costs, candidates, strict=True))
+
+    def learned(self, candidates: Sequence[Candidate], count: int) -> Iterator[float]:
+        """The costs of candidates over the next `count` training starts, or all where there are no more."""
+        every, begin = self.starts, self._next
+        count = min(count, len(every))
+        self._next = (begin + count) % len(every)
+        return iter(self._costs(candidates, [every[(begin + k) % len(every)] for k in range(count)], LEARNED))
+
+    def _costs(self, candidates: Sequence[Candidate], starts: Sequence[State], bounds: _Bounds) -> list[float]:
+        horizon = min(self._horizon, bounds.horizon * self.least)
+        hopeless, steps = bounds.hopeless * self.least, min(MAX_STEPS, round(bounds.steps * self._steps))
+        measured = list(measure_all(self.task, candidates, starts, horizon, self._executor, hopeless, steps))
+        for runs in measured:
+            mean = max(LEAST_MEAN, statistics.fmean(run.time for run in runs))
+            if mean < self.least:
+                self.least, self._steps = mean, max(run.steps for run in runs)
+        return [cost(runs, horizon) for runs in measured]
 
 
 def _explored(
     trials: _Trials, incumbents: Sequence[Candidate], tried: int, deadline: Deadline, progress: Progress
 ) -> list[Candidate]:
-    """The incumbents that have scalars and `tried` random ones around them, by cost over a few starts."""
+    """The incumbents and `tried` random scalars around those that have some, by cost over a few starts."""
     make, random = _fleet_wide(trials.task), np.random.default_rng(trials.task.seed)
-    batch = [candidate for candidate in incumbents if candidate.scalars]
-    centres = [scalars.logarithms() for scalars in _distinct(batch)]
-    found: list[Compared] = []
-    while batch and not deadline.passed:
-        found += trials.compared(batch, trials.starts[:EXPLORED_STARTS])
-        progress("searching: random scalars", min(1.0, len(found) / tried))
-        count = max(0, min(BATCH, tried - len(found)))
+    begun = [candidate for candidate in incumbents if candidate.scalars]
+    found = trials.explored(begun or incumbents)
+    centres = [scalars.logarithms() for scalars in _distinct(begun)]
+    for count in [BATCH] * (tried // BATCH if centres else 0):
+        if deadline.passed:
+            break
         points = random.choice(centres, count) + EXPLORED_SPREAD * random.standard_normal((count, SCALARS))
-        batch = [candidate for point in points if (candidate := _possible(make, point))]
+        found += trials.explored([candidate for point in points if (candidate := _possible(make, point))])
+        progress("searching: random scalars", min(1.0, len(found) / tried))
     return [candidate for _, candidate in _sorted(found)]
 
 
@@ -237,25 +279,15 @@ def _possible(make: Make, point: Point) -> Candidate | None:
 class _Run:
     """One run of CMA-ES from its own beginning, and the best that it has met."""
 
-    def __init__(
-        self,
-        trials: _Trials,
-        make: Make,
-        begin: Point,
-        starts: int,
-        population: int = POPULATION,
-        spread: float = SPREAD,
-    ) -> None:
-        """Begin; every generation learns from `starts` of the training starts."""
+    def __init__(self, seed: int, make: Make, begin: Point, population: int, spread: float) -> None:
         import cma
 
-        self._trials, self._make, self._count = trials, make, starts
+        self._make = make
         self.elite: list[Compared] = []  # the best, least cost first
-        self._trained: list[Compared] = []  # the best of all generations on the training starts
-        self._met: list[Candidate] = []  # the centre of the last generation and its best
+        self.met: list[Candidate] = []  # the centre of the last generation and its best, not compared yet
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of cma, about plotting
-            options = {"seed": trials.task.seed + 1, "popsize": population, "verbose": -9}
+            options = {"seed": seed + 1, "popsize": population, "verbose": -9}
             self._strategy = cma.CMAEvolutionStrategy(begin, spread, options)
 
     @property
@@ -270,47 +302,19 @@ class _Run:
 
     def finds(self) -> list[Candidate]:
         """The best candidates, and those not compared yet; none before the first generation."""
-        return [*(candidate for _, candidate in self.elite), *self._met]
+        return [*(candidate for _, candidate in self.elite), *self.met]
 
-    def advance(self, generations: int, deadline: Deadline, progress: Progress) -> None:
-        """Some generations more, as long as there is time and the strategy has not converged, then a comparison."""
-        before = self._strategy.countiter
-        for generation in range(generations):
-            if deadline.passed or self.converged:
-                break
-            self._generation()
-            cost_so_far = f": {self.best:.0f} s" if self.elite else ""
-            progress(f"searching{cost_so_far}", max((generation + 1) / generations, deadline.share))
-        if not self._trials.others:
-            self.elite = self._trained
-        elif self._strategy.countiter > before:
-            self.elite, self._met = _sorted([*self.elite, *self._trials.compared(self._met)])[:ELITE], []
+    def ask(self) -> dict[int, Candidate]:
+        """The next generation, by number; those are left out that rounding leaves no gains."""
+        self._points = [np.asarray(point) for point in self._strategy.ask()]
+        found = {number: _possible(self._make, point) for number, point in enumerate(self._points)}
+        self._asked = {number: candidate for number, candidate in found.items() if candidate}
+        return self._asked
 
-    def _next_starts(self) -> list[State]:
-        """The training starts of a generation: others than the last had, as far as there are others."""
-        every = self._trials.starts
-        begin = self._strategy.countiter * self._count
-        return [every[k % len(every)] for k in range(begin, begin + min(self._count, len(every)))]
-
-    def _generation(self) -> None:
-        points = [np.asarray(point) for point in self._strategy.ask()]
-        candidates = {k: found for k, point in enumerate(points) if (found := _possible(self._make, point))}
-        starts = self._next_starts()
-        few = math.ceil(FIRST_SHARE * len(starts))
-        horizon = self._trials.horizon
-        first = self._trials.measured(candidates, starts[:few])
-        costs = {k: cost(one, horizon) for k, one in first.items()}
-        # The strategy learns from the order, mostly of the better half: only that half goes on to the other starts.
-        better = sorted(costs, key=costs.__getitem__)[: math.ceil(len(points) / 2)]
-        rest = self._trials.measured({k: candidates[k] for k in better}, starts[few:])
-        runs = {k: first[k] + one for k, one in rest.items()}
-        whole = {k: cost(one, horizon) for k, one in runs.items()}
-        behind = max(whole.values(), default=0.0)
-        told = {k: whole[k] if k in whole else behind + value for k, value in costs.items()}
-        self._strategy.tell(points, [told.get(k, USELESS) for k in range(len(points))])
-        best = _sorted((value, candidates[k]) for k, value in whole.items())
-        self._trained = _sorted([*self._trained, *best])[:ELITE]
+    def tell(self, costs: dict[int, float]) -> None:
+        """Learn from the costs of that generation."""
+        self._strategy.tell(self._points, [costs.get(number, USELESS) for number in range(len(self._points))])
         # The centre owes less to luck than the best: far from the goal the motion is chaotic.
         centre = _possible(self._make, self._strategy.mean)
-        self._met = [*([centre] if centre else []), *(candidate for _, candidate in best[:1])]
-        self._trials.learn(runs.values())
+        best = [self._asked[min(costs, key=costs.__getitem__)]] if costs else []
+        self.met = [*([centre] if centre else []), *best]
