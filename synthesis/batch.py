@@ -18,7 +18,7 @@ from ..models.equations import Plant, State, closed_loop
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.ops import sparse_ops
-from .rollout import Deadline, Settling, Tolerance
+from .rollout import Deadline, Tolerance
 
 Array = NDArray[Any]
 Single = np.float32
@@ -48,6 +48,16 @@ class Trial(NamedTuple):
 
     gains: Gains
     excitation: Excitation
+
+
+class Settling(NamedTuple):
+    """What one rollout says."""
+
+    time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
+    excess: float  # the largest error over its tolerance at the end
+    end: float  # s, when the rollout ended
+    final: State  # then, (N,) each
+    steps: int  # of integration that it took
 
 
 def settle_all(

@@ -15,8 +15,8 @@ from ..models.equations import Plant, State, across
 from ..models.errors import UndecidedError
 from ..models.fleet import floats
 from ..models.ops import numpy_ops
-from .batch import MAX_STEPS, Trial, settle_all
-from .rollout import Settling, Tolerance
+from .batch import MAX_STEPS, Settling, Trial, settle_all
+from .rollout import Tolerance
 from .tails import tail_times
 
 if TYPE_CHECKING:
@@ -60,7 +60,7 @@ def measure_all(
     """
     columns = len(candidates) * len(starts) * len(task.fleet)
     cores = os.cpu_count() or 1 if executor else 1
-    rounds = math.ceil(columns / (cores * JOB_VEHICLES))
+    rounds = max(1, math.ceil(columns / (cores * JOB_VEHICLES)))
     each = max(1, math.ceil(len(candidates) / (cores * rounds)))  # candidates of one job
     jobs: list[Job] = [
         (task.plant, candidates[k : k + each], starts, horizon, task.tolerance, hopeless, steps)

@@ -6,7 +6,7 @@ import math
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -21,7 +21,6 @@ from ..models.ops import casadi_ops, unbounded
 Floats = NDArray[np.float64]
 
 MAX_STEPS = 200_000  # of CVODES between two outputs
-SETTLING_SECONDS = 600.0  # of wall clock for one settling time, looked at after every piece
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
 
 
@@ -47,12 +46,8 @@ class Rollout:
         abstol: float = 1e-6,
         bounded: bool = True,
         multistep: str = "bdf",
-        iteration: str = "newton",
     ) -> None:
-        """Build the integrator: output every `step` s, in pieces of `piece` s.
-
-        `multistep` is bdf or adams; `iteration`, by which a step is solved, newton or, without a Jacobian, functional.
-        """
+        """Build the integrator: output every `step` s, in pieces of `piece` s; `multistep` is bdf or adams."""
         self.plant = plant
         self.vehicles = plant.graph.vehicles
         self.per_piece = max(1, round(piece / step))
@@ -73,7 +68,6 @@ class Rollout:
             "abstol": abstol,
             "max_num_steps": MAX_STEPS,
             "linear_multistep_method": multistep,
-            "nonlinear_solver_iteration": iteration,
         }
         try:
             self._integrator = ca.integrator("closed_loop", "cvodes", problem, 0.0, outputs, options)
@@ -102,51 +96,6 @@ class Rollout:
     def _state(self, columns: Any) -> State:
         blocks = columns.reshape(5, self.vehicles, -1)
         return State(*(block.T for block in blocks))
-
-    def offsets(self, state: State) -> tuple[Floats, Floats]:
-        """The distances of the vehicles from their places in x and y, m, shaped as the state."""
-        plant = self.plant
-        return state.x - plant.offset_x - plant.leader_x, state.y - plant.offset_y - plant.leader_y
-
-    def errors(self, state: State) -> tuple[Floats, Floats]:
-        """The largest position error (m) and heading error (rad) over the fleet, (K,)."""
-        position, heading = np.hypot(*self.offsets(state)), np.abs(state.theta - self.plant.leader_theta)
-        return position.max(axis=-1), heading.max(axis=-1)
-
-    def excess(self, state: State, tolerance: Tolerance) -> Floats:
-        """The larger of both errors over their tolerances, (K,); settled means at most 1."""
-        position, heading = self.errors(state)
-        return np.maximum(position / tolerance.position, heading / tolerance.heading)
-
-    def settling(self, gains: Gains, start: State, horizon: float, tolerance: Tolerance) -> Settling:
-        """When the fleet settles from a start. A run that has stayed settled for a whole piece ends there.
-
-        Raises UndecidedError where CVODES stalls or the clock runs out.
-        """
-        last, excess, deadline = 0.0, math.inf, Deadline(SETTLING_SECONDS)
-        for times, states in self.pieces(gains, start):
-            ratio = self.excess(states, tolerance)
-            excess = float(ratio.max())
-            outside = np.flatnonzero(ratio > 1)
-            last = float(times[outside[-1]]) if outside.size else last
-            end = float(times[-1])
-            if last < times[0] - self.step or end >= horizon:
-                break
-            if deadline.passed:
-                raise UndecidedError(f"{SETTLING_SECONDS:g} s of wall clock passed at t = {end:g} s of {horizon:g} s")
-        return Settling(
-            last if last < end - self.step else math.inf, excess, end, State(*(values[-1] for values in states))
-        )
-
-
-class Settling(NamedTuple):
-    """What one rollout says."""
-
-    time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
-    excess: float  # the largest error over its tolerance during the last piece
-    end: float  # s, when the rollout ended
-    final: State  # then, (N,) each
-    steps: int = 0  # of integration that it took, where they were counted
 
 
 class Deadline:

@@ -90,7 +90,7 @@ def search(
     try:
         kept = _explored(trials, incumbents, SHORT_EXPLORED if short else EXPLORED, first, progress)
         # Where only convex programs found gains there is nowhere to begin.
-        for begin in _distinct(kept)[: SHORT_BASINS if short else BASINS]:
+        for begin in _distinct(kept, SHORT_BASINS if short else BASINS):
             runs.append(_Run(task.seed, _fleet_wide(task), begin.logarithms(), POPULATION, SPREAD))
         count, rounds = (SHORT_SCALARS_STARTS, SHORT_ROUNDS) if short else (SCALARS_STARTS, ROUNDS)
         _halve(trials, runs, count, rounds, first, progress)
@@ -106,7 +106,9 @@ def search(
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
     best = sorted(runs, key=lambda run: run.best)[:FINALISTS]
-    return [*(found for run in best for found in run.finds()), *kept[:ELITE]] or list(incumbents)
+    tried = [candidate for candidate in kept[:ELITE] if candidate not in incumbents]
+    begun = [candidate for candidate in incumbents if candidate.scalars] or incumbents
+    return [*(found for run in best for found in run.finds()), *tried, *begun]
 
 
 def _halve(
@@ -225,9 +227,10 @@ def _explored(
     begun = [candidate for candidate in incumbents if candidate.scalars]
     found = trials.explored(begun or incumbents)
     centres = [scalars.logarithms() for scalars in _distinct(begun)]
-    for count in [BATCH] * (tried // BATCH if centres else 0):
+    for begin in range(0, tried if centres else 0, BATCH):
         if deadline.passed:
             break
+        count = min(BATCH, tried - begin)
         points = random.choice(centres, count) + EXPLORED_SPREAD * random.standard_normal((count, SCALARS))
         found += trials.explored([candidate for point in points if (candidate := _possible(make, point))])
         progress("searching: random scalars", min(1.0, len(found) / tried))
@@ -239,12 +242,15 @@ def _sorted(found: Iterable[Compared]) -> list[Compared]:
     return sorted(found, key=lambda one: one[0])
 
 
-def _distinct(candidates: Sequence[Candidate]) -> list[Scalars]:
-    """The scalars of the candidates in their order, but for those within APART of an earlier one."""
+def _distinct(candidates: Sequence[Candidate], most: int | None = None) -> list[Scalars]:
+    """The scalars of the candidates in their order, but for those within APART of an earlier one; so many at most."""
     kept: list[Scalars] = []
+    points: list[Point] = []
     for scalars in (candidate.scalars for candidate in candidates if candidate.scalars):
-        if all(np.abs(scalars.logarithms() - other.logarithms()).max() > APART for other in kept):
+        point = scalars.logarithms()
+        if len(kept) != most and all(np.abs(point - other).max() > APART for other in points):
             kept.append(scalars)
+            points.append(point)
     return kept
 
 

@@ -35,6 +35,7 @@ from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.rounding import rounded
 from gaincert.synthesis.weight_design import SPREAD, design_weights
 from gaincert.verify import dispatch
+from gaincert.verify.simulate import simulate
 
 PSI = '[excitation]\nfamily = "harmonics"\nfrequency = 1\nmean = 0\nsin = [1]\n'
 
@@ -242,10 +243,10 @@ def test_gains_that_cvodes_gives_up_on_count_as_never_settled(
     assert set(designed(fleet).settling) == {math.inf}
 
 
-def test_without_cvodes_nothing_is_decided(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_cvodes_nothing_is_decided(psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rollout.ca, "integrator", lambda *_: Broken()())
     with pytest.raises(UndecidedError, match="cannot be built: it broke down"):
-        design(fleet, conditions="corrected")
+        simulate(paper_fleet(), paper_gains(), psi_of_paper)
 
 
 # -- CMA-ES -----------------------------------------------------------------------------------------------------------
@@ -335,15 +336,6 @@ def test_ipopt_has_a_clock(fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog
     monkeypatch.setattr(averaged, "SOLVE_SECONDS", 1e-7)
     assert averaged.local_optima(task_of(fleet), 5.0) == []
     assert "averaged program: broken off: IPOPT found no answer within 1e-07 s" in caplog.text
-
-
-def test_a_settling_time_has_a_clock(paper: Fleet, psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rollout, "SETTLING_SECONDS", 0.0)
-    run = rollout.Rollout(paper.plant(), psi_of_paper)
-    start = paper.start()
-    assert start is not None
-    with pytest.raises(UndecidedError, match="0 s of wall clock passed at t = 50 s of 1000 s"):
-        run.settling(paper_gains().map(lambda g: g.astype(float)), start, 1000.0, Tolerance())
 
 
 def test_a_tail_has_a_clock(paper: Fleet, psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
