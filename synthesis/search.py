@@ -106,7 +106,7 @@ def search(
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
     best = sorted(runs, key=lambda run: run.best)[:FINALISTS]
-    tried = [candidate for candidate in kept[:ELITE] if candidate not in incumbents]
+    tried = [] if short else [candidate for candidate in kept[:ELITE] if candidate not in incumbents]
     begun = [candidate for candidate in incumbents if candidate.scalars] or incumbents
     return [*(found for run in best for found in run.finds()), *tried, *begun]
 

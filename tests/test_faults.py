@@ -19,13 +19,14 @@ import pytest
 from gaincert import cli
 from gaincert.benchmarks import faults
 from gaincert.console import Printer
+from gaincert.models.equations import State
 from gaincert.models.errors import UndecidedError
 from gaincert.models.fleet import Fleet
 from gaincert.models.fleet_file import load
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.templates import template_text
-from gaincert.synthesis import averaged, convex, program, rates, rollout
+from gaincert.synthesis import averaged, batch, convex, program, rates, rollout
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.conditions import condition_set
@@ -227,19 +228,16 @@ def test_without_any_program_the_closed_form_is_what_is_left(fleet: Fleet, monke
     assert designed(fleet).origin == "closed form"
 
 
-# -- CVODES -----------------------------------------------------------------------------------------------------------
+# -- the integrators ---------------------------------------------------------------------------------------------------
 
 
-class NotNumbers:
-    def __call__(self, **problem: Any) -> dict[str, Any]:
-        return {"xf": np.full((len(problem["x0"]), 2), math.nan)}
-
-
-@pytest.mark.parametrize("kind", [Broken, NotNumbers])
-def test_gains_that_cvodes_gives_up_on_count_as_never_settled(
-    kind: type, fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+def test_gains_that_the_integrator_gives_up_on_count_as_never_settled(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(rollout.ca, "integrator", lambda *_: kind())
+    def broken(*arguments: Any) -> State:
+        return State(*(math.nan * column for column in arguments[-1]))
+
+    monkeypatch.setattr(batch, "closed_loop", broken)
     assert set(designed(fleet).settling) == {math.inf}
 
 
