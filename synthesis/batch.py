@@ -1,7 +1,7 @@
 """Rollouts of the closed loop from many starts under many gains at once, side by side in NumPy arrays.
 
 Each rollout is a column with its own gains, frequency of psi, time and step. In single precision and to two digits they
-rank candidates, ten times faster than one by one; what is measured of a design in the end comes from `verify`.
+rank candidates; `verify` integrates a design anew.
 """
 
 from __future__ import annotations
