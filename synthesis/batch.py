@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -115,7 +116,7 @@ class Columns:
         admitted += self._accuracy.absolute
         error /= admitted
         error *= error
-        mean = np.sqrt(np.mean(error, axis=tuple(range(error.ndim - 1))))
+        mean = np.sqrt(_column_means(error))
         bounded: Array = np.clip(np.nan_to_num(mean, nan=1e3, posinf=1e3), 1e-6, 1e3)
         return bounded
 
@@ -131,6 +132,15 @@ def _sum(weights: Array, terms: Sequence[Array]) -> Array:
     for weight, term in rest:
         total += weight * term
     return total
+
+
+def _column_means(values: Array) -> Array:
+    """The mean of every column (..., B), the same whatever stands beside it: NumPy's order of summation depends on that."""
+    rows = np.ascontiguousarray(values).reshape(-1, values.shape[-1])
+    if rows.shape[1] == 1:
+        rows = np.repeat(rows, 2, axis=1)
+    means: Array = np.mean(rows, axis=0)[: values.shape[-1]]
+    return means
 
 
 class _Batch:
@@ -153,11 +163,9 @@ class _Batch:
         self._ops = sparse_ops(plant.graph, Single)
         self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
         self._starts = _stacked(State._fields, starts)
-        self._psi = trials[0].excitation.map(Single)
-        frequency = np.array([float(trial.excitation.frequency) for trial in trials])
-        self._period = 2 * math.pi / float(self._psi.frequency)
-        self._tempo = frequency / float(self._psi.frequency)  # (trials,)
-        self._hold = np.maximum(PIECE, 2 * math.pi / frequency)
+        self._psi = replace(trials[0].excitation, frequency=1).map(Single)
+        self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
+        self._hold = np.maximum(PIECE, 2 * math.pi / self._frequency)
         reference = self._plant.offset_x + self._plant.leader_x, self._plant.offset_y + self._plant.leader_y
         self._goal = np.stack([*reference, np.broadcast_to(self._plant.leader_theta, reference[0].shape)])[..., None]
         within = [tolerance.position, tolerance.position, tolerance.heading]
@@ -227,11 +235,12 @@ class _Batch:
     def _side_by_side(self, t: Array, y: Array, h: Array) -> Columns:
         """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
         trial = self._trial[self._at]
-        gains, tempo = Gains(*(np.ascontiguousarray(column[:, trial]).T for column in self._gains)), self._tempo[trial]
+        gains = Gains(*(np.ascontiguousarray(column[:, trial]).T for column in self._gains))
+        frequency = self._frequency[trial]
 
         def rate(t: Array, y: Array) -> Array:
             # A phase of many periods has no digits left in single precision.
-            phase = np.remainder(t * tempo, self._period).astype(Single)[:, None]
+            phase = np.remainder(t * frequency, 2 * math.pi).astype(Single)[:, None]
             state = State(*(column.T for column in y))
             rates = closed_loop(self._ops, self._plant, gains, self._psi, phase, state)
             return np.stack([column.T for column in rates])

@@ -36,7 +36,7 @@ OTHER_STARTS = 320  # on which what a run met is compared: the training starts f
 SIMULATED_VEHICLES = 4000  # in all starts together: a large fleet is searched on fewer
 SCALARS_STARTS = 24  # of a generation, for the scalars alone
 SHORT_SCALARS_STARTS = 12
-ROLES_STARTS = 64
+ROLES_STARTS = 32
 GENERATIONS = 10  # between two comparisons
 SHORT_STARTS = 24
 EXPLORED = 960  # scalars tried at random
@@ -45,7 +45,7 @@ EXPLORED_STARTS = 8
 EXPLORED_SPREAD = 1.0  # around the incumbents, in logarithms
 BATCH = 240  # of them at a time: what is found limits how long the next are simulated
 POPULATION = 12
-ROLES_POPULATION = 40  # more numbers, and noise: near the same gains, chaotic motion takes other times
+ROLES_POPULATION = 48  # more numbers, and noise: near the same gains, chaotic motion takes other times
 LEAST_MEAN = 10.0  # s: a fleet that is settled from the start leaves a horizon
 SPREAD = 0.35  # of the first generation, in logarithms
 ELITE = 4  # candidates of a run among which separate starts choose
@@ -57,6 +57,7 @@ SHORT_ROUNDS = 2
 SCALARS = 6
 SCALARS_SHARE = 0.2  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
+OWN_VEHICLES = 12  # up to here every vehicle plays its own
 PATIENCE = 8  # comparisons without anything better after which roles are searched from the next beginning
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
@@ -98,7 +99,7 @@ def search(
             compared = [*(found for run in runs for found in run.elite), *trials.compared(kept[:ELITE])]
             kept, runs = [candidate for _, candidate in _sorted(compared)], []
             if len(task.fleet) <= ROLES_VEHICLES:
-                _search_roles(trials, _distinct(kept), runs, deadline, progress)
+                _search_roles(trials, _distinct(kept, BASINS), runs, deadline, progress)
     except KeyboardInterrupt:
         if short:
             raise
@@ -262,9 +263,10 @@ def _fleet_wide(task: Task) -> Make:
 def _per_role(task: Task) -> tuple[Make, int]:
     """Points go on with the logarithms of factors on the gains of every role but the first.
 
-    Also says how many numbers those are.
+    Vehicles of equal role in the graph share them, in a small fleet none do. Also says how many numbers those are.
     """
-    role = task.plant.graph.roles()
+    small = len(task.fleet) <= OWN_VEHICLES
+    role = np.arange(len(task.fleet)) if small else task.plant.graph.roles()
     others, kinds = int(role.max()), len(GAIN_NAMES)
 
     def make(point: Point) -> Candidate:

@@ -10,13 +10,13 @@ from gaincert.models.fleet import floats
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw
 from gaincert.synthesis import batch as batch_module
-from gaincert.synthesis.batch import Trial, settle_all
+from gaincert.synthesis.batch import Accuracy, Trial, settle_all
 from gaincert.synthesis.design import Task, prepare
 from gaincert.synthesis.rates import CrossTrack
 from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.synthesis.tails import tail_times
-from gaincert.verify.integrators import Adams
+from gaincert.verify.integrators import Adams, Dop853
 from gaincert.verify.loop import Loop
 from gaincert.verify.observer import distances
 
@@ -63,17 +63,18 @@ def test_a_rollout_does_not_depend_on_those_beside_it(task: Task, monkeypatch: p
     assert together == alone == narrow
 
 
-def test_calm_starts_settle_as_one_by_one(task: Task) -> None:
-    """Near the goal nothing is chaotic: to the grid and two digits."""
-    near = [State(0.05 * (s.x - s.x.mean()) + task.plant.leader_x, *s[1:]) for s in task.starts(Draw.TRAINING, 3)]
-    near = [
-        s._replace(y=0.05 * (s.y - s.y.mean()) + task.plant.leader_y, theta=task.plant.leader_theta + 0.2 * s.theta)
-        for s in near
-    ]
-    found = settle_all(task.plant, [trial(task, SLOW)], near, HORIZON, task.tolerance)[0]
-    for settling, start in zip(found, near, strict=True):
-        assert settling is not None
-        assert settling.time == pytest.approx(one_by_one(task, SLOW, start), rel=0.03, abs=0.5)
+def test_each_rollout_follows_its_own_trial_and_start(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With short steps, before chaos: every column ends where the true solution is then."""
+    monkeypatch.setattr(batch_module, "ACCURACY", Accuracy(1e-5, 1e-6, 2.0))
+    candidates, starts = [task.candidate("here", scalars) for scalars in (GOOD, SLOW)], task.starts(Draw.TRAINING, 2)
+    trials = [Trial(one.gains.map(floats), one.excitation) for one in candidates]
+    for one, row in zip(candidates, settle_all(task.plant, trials, starts, 4.0, task.tolerance), strict=True):
+        loop = Loop.of(task.fleet, one.gains, one.excitation)
+        for settling, start in zip(row, starts, strict=True):
+            assert settling is not None
+            true = Dop853(loop, step=0.1, piece=10.0, tolerance=1e-8).solve(0, np.concatenate(start), np.array([settling.end]))
+            assert settling.end >= 4
+            assert np.abs(np.concatenate(settling.final) - true[0]).max() < 0.01 * np.abs(true[0]).max()
 
 
 @pytest.mark.slow
