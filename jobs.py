@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from .console import Printer
     from .models.fleet import Fleet
     from .models.gains_file import GainsFile
+    from .models.tolerance import Tolerance
     from .synthesis.design import Design
-    from .synthesis.rollout import Tolerance
     from .verify.disturbance import Disturbance
     from .verify.recording import Recording
     from .verify.simulate import Trajectory
@@ -41,7 +41,7 @@ LARGEST_TOLERANCE = 1e6  # m, rad; it is squared
 def tolerance_of(pair: tuple[float, float]) -> Tolerance:
     """The tolerance (m, rad) of two options. Raises InputError."""
     from .models.errors import InputError
-    from .synthesis.rollout import Tolerance
+    from .models.tolerance import Tolerance
 
     if not all(0 < value <= LARGEST_TOLERANCE for value in pair):
         raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad), at most 1e6")

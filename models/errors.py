@@ -34,3 +34,9 @@ class UndecidedError(GaincertError):
     """A solver gave up or a time limit was reached before a verdict."""
 
     exit_code = 4
+
+
+def last_line(error: Exception) -> str:
+    """What an error of another library says, in one line: it ends with the reason."""
+    lines = [line for line in str(error).splitlines() if line.strip()]
+    return lines[-1][:200] if lines else "no message"

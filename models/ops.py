@@ -145,6 +145,14 @@ def casadi_ops() -> Ops:
     )
 
 
+def casadi_column(values: Any) -> Any:
+    """Numbers as a CasADi column."""
+    import casadi as ca
+    import numpy as np
+
+    return ca.DM(np.asarray(values, dtype=float))
+
+
 def _edge_difference(graph: Graph, z: Array) -> Array:
     # Transposed, so that what is gathered are whole rows: arrays over many states have the vehicles outermost.
     return (z.T[graph.tail] - z.T[graph.head]).T

@@ -23,11 +23,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.equations import Plant
+from ..models.errors import last_line
 from ..models.excitation import Excitation
 from ..models.graph import Graph
 from ..models.limits import Limits, casadi_numbers
+from ..models.ops import casadi_column
 from .conditions import ConditionSet
-from .rollout import column, first_line
 from .structure import INWARD, Scalars, structured
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
             if large:
                 break
     except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
-        LOG.warning("averaged program: broken off: %s", first_line(error))
+        LOG.warning("averaged program: broken off: %s", last_line(error))
     if not optima:
         LOG.warning("averaged program: left out, because IPOPT reports no optimum")
     return optima
@@ -223,7 +224,7 @@ def _conditions(plant: Plant, limits: Limits, conditions: ConditionSet, scalars:
     _, first = np.unique(kinds, axis=1, return_index=True)
 
     def of_each_kind(values: Any) -> Any:
-        return column(values[first] if np.ndim(values) else values)
+        return casadi_column(values[first] if np.ndim(values) else values)
 
     numbers = limits.map(of_each_kind)
     gains = structured(scalars, of_each_kind(plant.m), of_each_kind(plant.inertia), numbers.degree)

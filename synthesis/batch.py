@@ -9,17 +9,19 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from fractions import Fraction
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import RK23
 
+from ..models.deadline import Deadline
 from ..models.equations import Plant, State, closed_loop
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.ops import sparse_ops
-from .rollout import Deadline, Tolerance
+from ..models.tolerance import Tolerance
 
 Array = NDArray[Any]
 Single = np.float32
@@ -135,7 +137,7 @@ def _sum(weights: Array, terms: Sequence[Array]) -> Array:
 
 
 def _column_means(values: Array) -> Array:
-    """The mean of every column (..., B), the same whatever stands beside it: NumPy's order of summation depends on that."""
+    """The mean of every column (..., B), in an order of summation that does not depend on what stands beside it."""
     rows = np.ascontiguousarray(values).reshape(-1, values.shape[-1])
     if rows.shape[1] == 1:
         rows = np.repeat(rows, 2, axis=1)
@@ -163,7 +165,7 @@ class _Batch:
         self._ops = sparse_ops(plant.graph, Single)
         self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
         self._starts = _stacked(State._fields, starts)
-        self._psi = replace(trials[0].excitation, frequency=1).map(Single)
+        self._psi = replace(trials[0].excitation, frequency=Fraction(1)).map(Single)
         self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
         self._hold = np.maximum(PIECE, 2 * math.pi / self._frequency)
         reference = self._plant.offset_x + self._plant.leader_x, self._plant.offset_y + self._plant.leader_y

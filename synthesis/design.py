@@ -19,11 +19,11 @@ from ..models.gains import GAIN_NAMES, Gains
 from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import decimal_text
 from ..models.starts import Draw, random_starts, scale
+from ..models.tolerance import Tolerance
 from .conditions import ConditionSet, condition_set
 from .excitation_design import at_frequency, flat_tones
 from .measure import cost, measure_all
 from .rates import Rates, rates
-from .rollout import Tolerance
 from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
 

@@ -15,8 +15,8 @@ from ..models.equations import Plant, State, across
 from ..models.errors import UndecidedError
 from ..models.fleet import floats
 from ..models.ops import numpy_ops
+from ..models.tolerance import Tolerance
 from .batch import MAX_STEPS, Settling, Trial, settle_all
-from .rollout import Tolerance
 from .tails import tail_times
 
 if TYPE_CHECKING:
@@ -78,17 +78,20 @@ def measure(job: Job) -> list[list[Run]]:
     plant, candidates, starts, horizon, tolerance, hopeless, steps = job
     trials = [Trial(candidate.gains.map(floats), candidate.excitation) for candidate in candidates]
     settled = settle_all(plant, trials, starts, horizon, tolerance, hopeless, steps)
-    later = [
-        (k, settling) for k, row in enumerate(settled) for settling in row if settling and math.isfinite(settling.time)
-    ]
+    later = [(k, settling) for k, row in enumerate(settled) for settling in row if settling and _goes_on(settling)]
     times = iter(_later(plant, trials, later, tolerance))
     return [[_run(settling, times) for settling in row] for row in settled]
+
+
+def _goes_on(settling: Settling) -> bool:
+    """Whether it ended within the tolerance, but not within half of it."""
+    return math.isfinite(settling.time) and settling.excess > 0.5
 
 
 def _later(
     plant: Plant, trials: Sequence[Trial], ends: Sequence[tuple[int, Settling]], tolerance: Tolerance
 ) -> list[float]:
-    """When the fleets that have settled, each under a trial, are within half the tolerance, s: by the averaged flow."""
+    """When fleets that go on, each under a trial, are within half the tolerance, s: by the averaged flow."""
     if not ends:
         return []
     x, y = np.array([(settling.final.x, settling.final.y) for _, settling in ends]).transpose(1, 2, 0)
@@ -96,13 +99,13 @@ def _later(
     side = across(numpy_ops(), plant.leader_theta, *away)
     half = Tolerance(tolerance.position / 2, tolerance.heading / 2)
     tails = tail_times(plant, trials, [trial for trial, _ in ends], side, half).tolist()
-    return [end.time if end.excess <= 0.5 else end.end + tail for (_, end), tail in zip(ends, tails, strict=True)]
+    return [end.end + tail for (_, end), tail in zip(ends, tails, strict=True)]
 
 
 def _run(settling: Settling | None, later: Iterator[float]) -> Run:
     if settling is None:
         return NEVER
-    finer = next(later) if math.isfinite(settling.time) else math.inf
+    finer = next(later) if _goes_on(settling) else settling.time
     return Run(settling.time, finer, settling.excess, settling.steps)
 
 

@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.deadline import Deadline
 from ..models.equations import Plant
 from ..models.errors import UndecidedError
 from ..models.excitation import Excitation
 from ..models.gains import Gains
-from .rollout import Deadline
 
 Floats = NDArray[np.float64]
 

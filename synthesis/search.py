@@ -13,12 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.deadline import Deadline
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.starts import Draw
 from .batch import MAX_STEPS
 from .measure import cost, measure_all
-from .rollout import Deadline
 from .structure import Scalars
 
 if TYPE_CHECKING:

@@ -10,9 +10,9 @@ import numpy as np
 
 from ..models.equations import Plant
 from ..models.errors import UndecidedError
+from ..models.tolerance import Tolerance
 from .batch import Accuracy, Columns, Trial
 from .rates import CrossTrack, Floats, heading_coefficients, track_coefficients
-from .rollout import Tolerance
 
 DENSE_VEHICLES = 40  # up to here the responses of all trials are inverted and kept side by side
 STEPS = 80  # after which 1 / error^2 is taken to grow on at the rate of the last one

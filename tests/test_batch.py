@@ -9,11 +9,11 @@ from gaincert.models.equations import State
 from gaincert.models.fleet import floats
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw
+from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import batch as batch_module
 from gaincert.synthesis.batch import Accuracy, Trial, settle_all
 from gaincert.synthesis.design import Task, prepare
 from gaincert.synthesis.rates import CrossTrack
-from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.synthesis.tails import tail_times
 from gaincert.verify.integrators import Adams, Dop853
@@ -72,7 +72,9 @@ def test_each_rollout_follows_its_own_trial_and_start(task: Task, monkeypatch: p
         loop = Loop.of(task.fleet, one.gains, one.excitation)
         for settling, start in zip(row, starts, strict=True):
             assert settling is not None
-            true = Dop853(loop, step=0.1, piece=10.0, tolerance=1e-8).solve(0, np.concatenate(start), np.array([settling.end]))
+            true = Dop853(loop, step=0.1, piece=10.0, tolerance=1e-8).solve(
+                0, np.concatenate(start), np.array([settling.end])
+            )
             assert settling.end >= 4
             assert np.abs(np.concatenate(settling.final) - true[0]).max() < 0.01 * np.abs(true[0]).max()
 

@@ -16,6 +16,7 @@ from gaincert.models.limits import exact_numbers, float_numbers
 from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.starts import random_starts
+from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.averaged import modes
@@ -26,7 +27,6 @@ from gaincert.synthesis.excitation_design import flat_tones
 from gaincert.synthesis.measure import Run, measure
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
-from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.rounding import floor_digits, rounded
 from gaincert.synthesis.structure import Scalars, structured, within
 from gaincert.synthesis.weight_design import design_weights

@@ -9,7 +9,7 @@ from gaincert.models.equations import State, accelerations
 from gaincert.models.errors import InputError
 from gaincert.models.fleet_file import dumps, parse
 from gaincert.models.starts import random_starts
-from gaincert.synthesis.rollout import Tolerance
+from gaincert.models.tolerance import Tolerance
 from gaincert.verify import disturbance as module
 from gaincert.verify.disturbance import (
     Disturbance,

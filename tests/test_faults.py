@@ -26,16 +26,16 @@ from gaincert.models.fleet_file import load
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.templates import template_text
-from gaincert.synthesis import averaged, batch, convex, program, rates, rollout
+from gaincert.models.tolerance import Tolerance
+from gaincert.synthesis import averaged, batch, convex, program, rates
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.conditions import condition_set
 from gaincert.synthesis.design import Design, design, prepare
 from gaincert.synthesis.excitation_design import flat_tones
-from gaincert.synthesis.rollout import Tolerance
 from gaincert.synthesis.rounding import rounded
 from gaincert.synthesis.weight_design import SPREAD, design_weights
-from gaincert.verify import dispatch
+from gaincert.verify import dispatch, rollout
 from gaincert.verify.simulate import simulate
 
 PSI = '[excitation]\nfamily = "harmonics"\nfrequency = 1\nmean = 0\nsin = [1]\n'

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from gaincert.models.fleet import Fleet
 from gaincert.models.starts import random_starts
-from gaincert.synthesis.rollout import Tolerance
+from gaincert.models.tolerance import Tolerance
 from gaincert.verify.hermite import last_above_one, tops
 from gaincert.verify.integrators import Cvodes, Dop853
 from gaincert.verify.loop import Loop

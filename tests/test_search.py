@@ -14,14 +14,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from gaincert.models.deadline import Deadline
 from gaincert.models.errors import InputError
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
+from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.batch import PIECE
 from gaincert.synthesis.design import FALLBACK, _candidates, design, prepare
 from gaincert.synthesis.measure import NEVER, Run, cost, measure_all
-from gaincert.synthesis.rollout import Deadline, Tolerance
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 

@@ -7,7 +7,7 @@ from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.fleet import floats
 from gaincert.models.ops import numpy_ops
 from gaincert.models.paper import paper_fleet, paper_gains
-from gaincert.synthesis import rollout
+from gaincert.verify import rollout
 from gaincert.verify.simulate import Trajectory, settling_time, simulate, summarize
 from scipy.integrate import simpson, solve_ivp
 

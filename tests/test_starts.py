@@ -8,8 +8,8 @@ from gaincert.models.errors import InputError
 from gaincert.models.fleet import Fleet
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import COLUMNS, Draw, load_starts, random_starts, scale
+from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis.design import prepare
-from gaincert.synthesis.rollout import Tolerance
 
 GOOD = [f"a,v{i},{i},{-i},0.5,0.1,-0.1" for i in range(1, 7)]
 

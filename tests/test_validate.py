@@ -14,7 +14,7 @@ import pytest
 from gaincert.models.equations import State
 from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.starts import random_starts
-from gaincert.synthesis.rollout import Tolerance
+from gaincert.models.tolerance import Tolerance
 from gaincert.verify.dispatch import cluster, in_turn, local
 from gaincert.verify.integrators import Adams
 from gaincert.verify.ledger import Ledger
@@ -211,7 +211,7 @@ def test_a_worker_that_dies_is_one_message() -> None:
 
 
 def test_a_start_on_which_the_integrator_gives_up_is_a_failure_of_its_own(paper, chosen, monkeypatch) -> None:
-    monkeypatch.setattr("gaincert.synthesis.rollout.MAX_STEPS", 3)
+    monkeypatch.setattr("gaincert.verify.rollout.MAX_STEPS", 3)
     asked = question(paper, chosen, horizon=7.0)
     result = run_start(asked, 0, paper.start())
     assert result["gave_up"]

@@ -19,7 +19,7 @@ from ..models.errors import InputError, UndecidedError
 from ..models.fleet import DisturbanceTable, Fleet
 from ..models.graph import Graph
 from ..models.ops import numpy_ops
-from ..synthesis.rollout import Tolerance
+from ..models.tolerance import Tolerance
 from .loop import Floats, Loop
 from .observer import distances
 from .recording import Recording

@@ -13,8 +13,8 @@ import numpy as np
 
 from ..models.equations import State
 from ..models.errors import UndecidedError
-from ..synthesis.rollout import Rollout
 from .loop import Floats, Loop
+from .rollout import Rollout
 
 SUBSTEPS = 50  # points of the finer grid in one step
 

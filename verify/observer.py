@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ..models.equations import State
-from ..synthesis.rollout import Tolerance
+from ..models.tolerance import Tolerance
 from .hermite import last_above_one, tops
 from .integrators import Integrator
 from .loop import Floats, Loop

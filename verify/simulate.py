@@ -9,12 +9,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..models.deadline import Deadline
 from ..models.equations import State
 from ..models.errors import InputError, UndecidedError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet
 from ..models.gains import Gains
-from ..synthesis.rollout import Deadline, Tolerance
+from ..models.tolerance import Tolerance
 from .checks import violations as broken_promises
 from .engine import make, named
 from .integrators import Integrator

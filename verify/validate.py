@@ -21,7 +21,7 @@ from ..models.errors import UndecidedError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet, digest_of
 from ..models.gains import GAIN_NAMES, Gains
-from ..synthesis.rollout import Tolerance
+from ..models.tolerance import Tolerance
 from .checks import violations
 from .dispatch import in_turn
 from .engine import ENGINES, make, named

@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import math
-import time
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
@@ -13,23 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models.equations import Plant, State, closed_loop
-from ..models.errors import UndecidedError
+from ..models.errors import UndecidedError, last_line
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
-from ..models.ops import casadi_ops, unbounded
+from ..models.ops import casadi_column, casadi_ops, unbounded
 
 Floats = NDArray[np.float64]
 
 MAX_STEPS = 200_000  # of CVODES between two outputs
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
-
-
-@dataclass(frozen=True)
-class Tolerance:
-    """What counts as settled: every vehicle within both, from that time on."""
-
-    position: float = 0.1  # m, Euclidean
-    heading: float = 0.1  # rad, not modulo 2 pi
 
 
 class Rollout:
@@ -60,7 +49,7 @@ class Rollout:
         # psi is read at (start of the piece) + t, so that all pieces share one integrator.
         *columns, begin = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 1])
         state = State(*ca.vertsplit(x, self.vehicles))
-        rates = closed_loop(ops, plant.map(column), Gains(*columns), excitation, begin + t, state)
+        rates = closed_loop(ops, plant.map(casadi_column), Gains(*columns), excitation, begin + t, state)
         problem = {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))}
         outputs = (step * np.arange(1, self.per_piece + 1)).tolist()
         options = {
@@ -72,7 +61,7 @@ class Rollout:
         try:
             self._integrator = ca.integrator("closed_loop", "cvodes", problem, 0.0, outputs, options)
         except RuntimeError as error:
-            raise UndecidedError(f"the integrator cannot be built: {first_line(error)}") from None
+            raise UndecidedError(f"the integrator cannot be built: {last_line(error)}") from None
 
     def pieces(self, gains: Gains, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
@@ -85,7 +74,7 @@ class Rollout:
             try:
                 solved = self._integrator(x0=x, p=np.concatenate([columns, [begin]]))
             except RuntimeError as error:
-                raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {first_line(error)}") from None
+                raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {last_line(error)}") from None
             states = np.asarray(solved["xf"])
             if not np.isfinite(states).all():
                 raise UndecidedError(f"the integrator returned numbers that are not finite after t = {begin:g} s")
@@ -98,35 +87,6 @@ class Rollout:
         return State(*(block.T for block in blocks))
 
 
-class Deadline:
-    """A wall-clock limit."""
-
-    def __init__(self, seconds: float) -> None:
-        self._begin, self._seconds = time.monotonic(), seconds
-
-    @property
-    def passed(self) -> bool:
-        """Whether the time is up."""
-        return self.share > 1
-
-    @property
-    def share(self) -> float:
-        """How much of the time is gone; more than 1 when it is up."""
-        gone = time.monotonic() - self._begin
-        return gone / self._seconds if self._seconds > 0 else math.inf
-
-
 def shared(expression: Any) -> Any:
     """The expression with its common parts computed once; large ones are left as they are."""
     return ca.cse(expression) if isinstance(expression, ca.SX) else expression
-
-
-def column(values: Any) -> Any:
-    """Numbers as a CasADi column."""
-    return ca.DM(np.asarray(values, dtype=float))
-
-
-def first_line(error: Exception) -> str:
-    """What an error of CasADi says, in one line: it ends with the reason."""
-    lines = [line for line in str(error).splitlines() if line.strip()]
-    return lines[-1][:200] if lines else "no message"
