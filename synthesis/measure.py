@@ -22,22 +22,24 @@ from .tails import tail_times
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-TAIL = 8  # the worst one start in so many is the tail: its mean is less a matter of chance than the worst
-TAIL_SHARE = 0.25  # of the tail in the cost, beside the mean
-FINER_SHARE = 0.03  # of the time to half the tolerance: what comes after settling must not be traded away
-LATE = 6.0  # mean settling times: what a start needs beyond it for half the tolerance is late
-LATE_SHARE = 0.6  # of the lateness in the tail; at most 1, or settling later would pay
+FINER = 4  # parts of the tolerance, one of which is the finer one
+FINER_SHARE = 0.1  # of the time to it in the cost: what comes after settling must not be traded away
+TAIL_SHARE = 0.01  # of the tail: a start that just misses the tolerance must not take long
+MOST_TAILS = 16  # random errors from which it is followed
+TAIL_VEHICLES = 640  # in all of them together: a large fleet is followed from one
+LONGEST_TAIL = 1e5  # s, as which a longer one counts
 JOB_VEHICLES = 16_384  # simulated in one job, all its rollouts together
-LONGEST_FINER = 10.0  # horizons, as which a longer time to half the tolerance counts
+LONGEST_FINER = 10.0  # horizons, as which a longer time to the finer tolerance counts
 
 
 class Run(NamedTuple):
     """What simulation and the averaged flow say of a candidate from one start."""
 
     time: float  # s, from which on the fleet is settled; inf where not by the horizon
-    finer: float  # s, the same for half the tolerance, followed by the averaged flow once the fleet is settled
+    finer: float  # s, the same for the tolerance over FINER, followed by the averaged flow once the fleet is settled
     excess: float  # the largest error over its tolerance at the end
     steps: int = 0  # of integration that it took
+    tail: float = 0.0  # s, from the tolerance to the finer one by the averaged flow, of the candidate from any start
 
 
 NEVER = Run(math.inf, math.inf, math.inf)
@@ -79,50 +81,63 @@ def measure(job: Job) -> list[list[Run]]:
     trials = [Trial(candidate.gains.map(floats), candidate.excitation) for candidate in candidates]
     settled = settle_all(plant, trials, starts, horizon, tolerance, hopeless, steps)
     later = [(k, settling) for k, row in enumerate(settled) for settling in row if settling and _goes_on(settling)]
-    times = iter(_later(plant, trials, later, tolerance))
-    return [[_run(settling, times) for settling in row] for row in settled]
+    times, tails = iter(_later(plant, trials, later, tolerance)), _tails(plant, trials, tolerance)
+    return [[_run(one, times, tail) for one in row] for row, tail in zip(settled, tails, strict=True)]
 
 
 def _goes_on(settling: Settling) -> bool:
-    """Whether it ended within the tolerance, but not within half of it."""
-    return math.isfinite(settling.time) and settling.excess > 0.5
+    """Whether it ended within the tolerance, but not within the finer one."""
+    return math.isfinite(settling.time) and settling.excess > 1 / FINER
 
 
 def _later(
     plant: Plant, trials: Sequence[Trial], ends: Sequence[tuple[int, Settling]], tolerance: Tolerance
 ) -> list[float]:
-    """When fleets that go on, each under a trial, are within half the tolerance, s: by the averaged flow."""
+    """When fleets that go on, each under a trial, are within the finer tolerance, s: by the averaged flow."""
     if not ends:
         return []
     x, y = np.array([(settling.final.x, settling.final.y) for _, settling in ends]).transpose(1, 2, 0)
     away = x - (plant.offset_x + plant.leader_x)[:, None], y - (plant.offset_y + plant.leader_y)[:, None]
     side = across(numpy_ops(), plant.leader_theta, *away)
-    half = Tolerance(tolerance.position / 2, tolerance.heading / 2)
-    tails = tail_times(plant, trials, [trial for trial, _ in ends], side, half).tolist()
+    tails = tail_times(plant, trials, [trial for trial, _ in ends], side, _finer(tolerance)).tolist()
     return [end.end + tail for (_, end), tail in zip(ends, tails, strict=True)]
 
 
-def _run(settling: Settling | None, later: Iterator[float]) -> Run:
+def _tails(plant: Plant, trials: Sequence[Trial], tolerance: Tolerance) -> list[float]:
+    """How long cross-track errors as large as the tolerance take to fall to the finer one under every trial, s.
+
+    The mean over a few random ones: unlike what simulations say, nothing in it is chance that differs between trials.
+    """
+    count = min(MOST_TAILS, math.ceil(TAIL_VEHICLES / plant.graph.vehicles))
+    y = np.random.default_rng(0).standard_normal((plant.graph.vehicles, count))
+    y *= tolerance.position / np.abs(y).max(axis=0)
+    column = np.repeat(np.arange(len(trials)), count).tolist()
+    times = tail_times(plant, trials, column, np.tile(y, len(trials)), _finer(tolerance))
+    means: list[float] = np.minimum(times, LONGEST_TAIL).reshape(len(trials), count).mean(axis=1).tolist()
+    return means
+
+
+def _finer(tolerance: Tolerance) -> Tolerance:
+    return Tolerance(tolerance.position / FINER, tolerance.heading / FINER)
+
+
+def _run(settling: Settling | None, later: Iterator[float], tail: float) -> Run:
     if settling is None:
-        return NEVER
+        return NEVER._replace(tail=tail)
     finer = next(later) if _goes_on(settling) else settling.time
-    return Run(settling.time, finer, settling.excess, settling.steps)
+    return Run(settling.time, finer, settling.excess, settling.steps, tail)
 
 
 def cost(runs: Sequence[Run], horizon: float) -> float:
-    """Mean settling time with shares of the tail's, of the times to half the tolerance and of what is late there, s."""
+    """Typical settling time with shares of the typical time to the finer tolerance and of the tail, s."""
     times = [_counted(run.time, run.excess, horizon) for run in runs]
     finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
-    mean = statistics.fmean(times)
-    # Late starts are few, and by how much is a matter of decades: as a logarithm, one of them does not decide.
-    late = mean * _tail(math.log(max(1.0, time / (LATE * mean))) for time in finer) if mean else 0.0
-    return mean + TAIL_SHARE * _tail(times) + FINER_SHARE * statistics.fmean(finer) + LATE_SHARE * late
+    return _typical(times) + FINER_SHARE * _typical(finer) + TAIL_SHARE * statistics.fmean(run.tail for run in runs)
 
 
-def _tail(values: Iterable[float]) -> float:
-    """The mean of the largest one in TAIL."""
-    ordered = sorted(values)
-    return statistics.fmean(ordered[-math.ceil(len(ordered) / TAIL) :])
+def _typical(times: Iterable[float]) -> float:
+    """The mean of the square roots, squared: a few starts are late by decades, and would hide all others in noise."""
+    return statistics.fmean(map(math.sqrt, times)) ** 2
 
 
 def _counted(time: float, excess: float, horizon: float) -> float:

@@ -58,7 +58,8 @@ SCALARS = 6
 SCALARS_SHARE = 0.2  # of the time, for the scalars alone
 ROLES_VEHICLES = 40  # the largest fleet of which roles are searched
 OWN_VEHICLES = 12  # up to here every vehicle plays its own
-PATIENCE = 8  # comparisons without anything better after which roles are searched from the next beginning
+PATIENCE = 8  # comparisons without anything better after which a run over roles ends
+ROLES_BASINS = 4
 ROLES_SPREAD = 0.15  # of their first generation
 USELESS = 1e9  # s, the cost of scalars that leave no gains
 APART = 0.5  # in logarithms: beginnings nearer than this lead to the same place
@@ -99,7 +100,7 @@ def search(
             compared = [*(found for run in runs for found in run.elite), *trials.compared(kept[:ELITE])]
             kept, runs = [candidate for _, candidate in _sorted(compared)], []
             if len(task.fleet) <= ROLES_VEHICLES:
-                _search_roles(trials, _distinct(kept, BASINS), runs, deadline, progress)
+                _search_roles(trials, _distinct(kept, ROLES_BASINS), runs, deadline, progress)
     except KeyboardInterrupt:
         if short:
             raise
@@ -124,22 +125,23 @@ def _halve(
 def _search_roles(
     trials: _Trials, begins: Sequence[Scalars], runs: list[_Run], deadline: Deadline, progress: Progress
 ) -> None:
-    """Go on with the gains of every role from one beginning until nothing better is found, then from the next.
+    """Go on with the gains of every role from the beginnings; with every third of the time the worse half of them ends.
 
-    The runs are appended to `runs`, which an interrupt leaves as far as they came.
+    So do those that find nothing better any more. The runs are appended to `runs`, which an interrupt leaves as far
+    as they came.
     """
     make, more = _per_role(trials.task)
-    for begin in begins:
-        if deadline.passed:
-            break
-        point = np.concatenate([begin.logarithms(), np.zeros(more)])
-        run = _Run(trials.task.seed, make, point, ROLES_POPULATION, ROLES_SPREAD)
-        runs.append(run)
-        waited = 0
-        while waited < PATIENCE and not (deadline.passed or run.converged):
-            before = run.best
-            _advance(trials, [run], ROLES_STARTS, deadline, progress)
-            waited = 0 if run.best < before else waited + 1
+    points = [np.concatenate([begin.logarithms(), np.zeros(more)]) for begin in begins]
+    runs += [_Run(trials.task.seed, make, point, ROLES_POPULATION, ROLES_SPREAD) for point in points]
+    going, begun, waited = list(runs), deadline.share, [0] * len(runs)
+    while going and not deadline.passed:
+        before = [run.best for run in going]
+        _advance(trials, going, ROLES_STARTS, deadline, progress)
+        waited = [0 if run.best < best else count + 1 for run, best, count in zip(going, before, waited, strict=True)]
+        third = int(3 * (deadline.share - begun) / (1 - begun))
+        kept = sorted(range(len(going)), key=lambda k: going[k].best)[: math.ceil(len(runs) / 2**third)]
+        kept = [k for k in kept if waited[k] < PATIENCE and not going[k].converged]
+        going, waited = [going[k] for k in kept], [waited[k] for k in kept]
 
 
 def _advance(trials: _Trials, runs: Sequence[_Run], count: int, deadline: Deadline, progress: Progress) -> None:

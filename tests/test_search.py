@@ -22,7 +22,7 @@ from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.batch import PIECE
 from gaincert.synthesis.design import FALLBACK, _candidates, design, prepare
-from gaincert.synthesis.measure import NEVER, Run, cost, measure_all
+from gaincert.synthesis.measure import FINER, NEVER, Run, cost, measure_all
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 
@@ -39,6 +39,7 @@ def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPat
     for name in ("TRAINING_STARTS", "OTHER_STARTS"):
         monkeypatch.setattr(search_module, name, search_module.SHORT_STARTS)
     monkeypatch.setattr(search_module, "EXPLORED", 12)
+    monkeypatch.setattr(search_module, "ROLES_BASINS", 1)
     monkeypatch.setattr(search_module, "ROLES_POPULATION", 12)
     asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
     with local() as (executor, _):
@@ -90,16 +91,33 @@ def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
 
 
 def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
-    """Half the tolerance far beyond the mean settling time of a single start, where the mean alone hides it."""
+    """The finer tolerance far beyond the settling time from a single start, where all others are there at once."""
     runs = [Run(40.0, 60.0, 0.5)] * 32
-    late, many = ([runs[0]._replace(finer=time)] * count for time, count in ((1060.0, 1), (91.25, 32)))
-    assert statistics.fmean(run.finer for run in [*late, *runs[1:]]) == statistics.fmean(run.finer for run in many)
-    # More than a tenth of the mean, but chance among few starts must not decide either.
-    assert 0.1 * 40.0 < cost([*late, *runs[1:]], 1000.0) - cost(many, 1000.0) < 0.4 * 40.0
+    late = [runs[0]._replace(finer=1060.0), *runs[1:]]
+    # Chance among few starts must not decide either: ten times later still, it counts a few times more.
+    assert 0.01 * 40.0 < cost(late, 1100.0) - cost(runs, 1100.0) < 0.1 * 40.0
+    later = [runs[0]._replace(finer=10_600.0), *runs[1:]]
+    assert 2 < (cost(later, 1100.0) - cost(runs, 1100.0)) / (cost(late, 1100.0) - cost(runs, 1100.0)) < 5
+
+
+def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
+    """Without chance: the same from any starts, whether or not it is run to the end; twice k_alpha shortens it."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    candidate = task.candidate("here", GOOD)
+    more = replace(candidate, gains=replace(candidate.gains, k_alpha=2 * candidate.gains.k_alpha))
+    tails = [
+        {run.tail for run in next(measure_all(task, [one], task.starts(Draw.TRAINING, count), 1.0, None, hopeless))}
+        for one, count, hopeless in ((candidate, 2, math.inf), (candidate, 5, 0.1), (more, 2, math.inf))
+    ]
+    (tail,), (again,), (shorter,) = tails
+    assert tail == again
+    assert shorter < 0.9 * tail
+    runs = [Run(40.0, 60.0, 0.5, tail=tail)] * 4
+    assert cost(runs, 1000.0) > cost([run._replace(tail=shorter) for run in runs], 1000.0)
 
 
 def test_settling_later_never_pays() -> None:
-    """The cost rises with every settling time, whatever is late at half the tolerance."""
+    """The cost rises with every settling time, whatever is late at the finer tolerance."""
     random = np.random.default_rng(0)
     for _ in range(200):
         times = random.uniform(10, 100, 12)
@@ -114,13 +132,13 @@ def test_settling_later_never_pays() -> None:
 
 
 @pytest.mark.slow
-def test_the_averaged_flow_tells_when_the_fleet_is_within_half_the_tolerance() -> None:
-    """Against a rollout at half the tolerance: to a fifth, and the piece that had to be settled."""
+def test_the_averaged_flow_tells_when_the_fleet_is_within_the_finer_tolerance() -> None:
+    """Against a rollout at that tolerance: to a fifth, and the piece that had to be settled."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     candidate = task.candidate("here", GOOD)
-    half = replace(task, tolerance=Tolerance(0.05, 0.05))
+    finer = replace(task, tolerance=Tolerance(0.1 / FINER, 0.1 / FINER))
     starts = task.starts(Draw.TRAINING, 5)
-    found, true = (next(measure_all(one, [candidate], starts, 2000.0, None)) for one in (task, half))
+    found, true = (next(measure_all(one, [candidate], starts, 8000.0, None)) for one in (task, finer))
     later = [(a.finer, b.time) for a, b in zip(found, true, strict=True) if a.finer > a.time]
     assert len(later) >= 4
     assert all(abs(predicted - run) < 0.2 * run + PIECE for predicted, run in later)
@@ -132,7 +150,7 @@ def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
     candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 3)
     whole = next(measure_all(task, [candidate], starts, 60.0, None))
     cut = next(measure_all(task, [candidate], starts, 60.0, None, hopeless=1.0))
-    assert cut == [NEVER] * 4
+    assert cut == [NEVER._replace(tail=whole[0].tail)] * 4
     assert cost(cut, 60.0) > cost(whole, 60.0)
 
 
@@ -141,7 +159,11 @@ def test_a_start_on_which_the_integrator_gives_up_takes_no_other_with_it() -> No
     candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 2)
     whole = next(measure_all(task, [candidate], starts, 60.0, None))
     starts[1] = starts[1]._replace(v=np.full(6, np.nan))
-    assert next(measure_all(task, [candidate], starts, 60.0, None)) == [whole[0], NEVER, whole[2]]
+    assert next(measure_all(task, [candidate], starts, 60.0, None)) == [
+        whole[0],
+        NEVER._replace(tail=whole[0].tail),
+        whole[2],
+    ]
 
 
 def test_steps_are_counted_and_bounded() -> None:
