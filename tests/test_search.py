@@ -212,6 +212,44 @@ def test_the_better_half_of_the_runs_goes_on(monkeypatch: pytest.MonkeyPatch) ->
     assert [run.advances for run in runs] == [2, 5, 1, 3, 1]
 
 
+@pytest.mark.parametrize(("step", "gain", "advances"), [(0.12, 0.01, [3, 9, 3, 6]), (0.0, 0.0, [8, 8, 8, 8])])
+def test_runs_over_roles_end_with_the_time_and_where_they_find_nothing(
+    monkeypatch: pytest.MonkeyPatch, step: float, gain: float, advances: list[int]
+) -> None:
+    """The worse half with every third of the time, all with the last; and any after PATIENCE comparisons in vain."""
+    bests, clock = iter([3.0, 1.0, 4.0, 2.0]), SimpleNamespace(share=0.0, passed=False)
+    monkeypatch.setattr(
+        search_module, "_Run", lambda *_: SimpleNamespace(best=next(bests), converged=False, advances=0)
+    )
+
+    def advance(_trials: Any, going: list[Any], *_: Any) -> None:
+        clock.share += step
+        clock.passed = clock.share > 1
+        for run in going:
+            run.advances += 1
+            run.best -= gain
+
+    monkeypatch.setattr(search_module, "_advance", advance)
+    trials: Any = SimpleNamespace(task=prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance()))
+    runs: list[Any] = []
+    search_module._search_roles(trials, [FALLBACK] * 4, runs, clock, lambda *_: None)  # type: ignore[arg-type]
+    assert [run.advances for run in runs] == advances
+
+
+def test_in_a_small_fleet_every_vehicle_has_its_own_gains(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a larger one those of equal role share them: v1 and v5, v2 and v4 of the paper's fleet."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    make, more = search_module._per_role(task)
+    assert more == 25
+    point = np.concatenate([FALLBACK.logarithms(), -np.arange(25.0)])
+    every = {
+        float(gain / vehicle.mass) for gain, vehicle in zip(make(point).gains.p_v, task.fleet.vehicles, strict=True)
+    }
+    assert len(every) == 6
+    monkeypatch.setattr(search_module, "OWN_VEHICLES", 5)
+    assert search_module._per_role(task)[1] == 15
+
+
 def test_what_runs_met_is_compared_over_starts_that_they_did_not_learn_from() -> None:
     """Luck on the training starts decides nothing; all runs learn from the same starts, each from its own costs."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
