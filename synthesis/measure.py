@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from .design import Candidate, Task
 
 FINER = 4  # parts of the tolerance, one of which is the finer one
-FINER_SHARE = 0.1  # of the time to it in the cost: what comes after settling must not be traded away
-TAIL_SHARE = 0.01  # of the tail: a start that just misses the tolerance must not take long
+FINER_POWER = 0.08  # of the time to it in the cost: what comes after settling must not be traded away
+TAIL_POWER = 0.08  # of the tail: a start that just misses the tolerance must not take long
 MOST_TAILS = 16  # random errors from which it is followed
 TAIL_VEHICLES = 640  # in all of them together: a large fleet is followed from one
+SHORTEST = 0.1  # s, as which shorter times count
 LONGEST_TAIL = 1e5  # s, as which a longer one counts
 JOB_VEHICLES = 16_384  # simulated in one job, all its rollouts together
 LONGEST_FINER = 10.0  # horizons, as which a longer time to the finer tolerance counts
@@ -129,10 +130,15 @@ def _run(settling: Settling | None, later: Iterator[float], tail: float) -> Run:
 
 
 def cost(runs: Sequence[Run], horizon: float) -> float:
-    """Typical settling time with shares of the typical time to the finer tolerance and of the tail, s."""
+    """The typical settling time, the typical time to the finer tolerance and the tail, as a weighted geometric mean, s.
+
+    So a per cent of each weighs the same in fast and in slow fleets, where the latter two are decades longer.
+    """
     times = [_counted(run.time, run.excess, horizon) for run in runs]
     finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
-    return _typical(times) + FINER_SHARE * _typical(finer) + TAIL_SHARE * statistics.fmean(run.tail for run in runs)
+    tail = statistics.fmean(min(run.tail, LONGEST_TAIL) for run in runs)
+    settling, later, tail = (max(SHORTEST, time) for time in (_typical(times), _typical(finer), tail))
+    return settling ** (1 - FINER_POWER - TAIL_POWER) * later**FINER_POWER * tail**TAIL_POWER
 
 
 def _typical(times: Iterable[float]) -> float:

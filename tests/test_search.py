@@ -92,7 +92,7 @@ def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
 
 def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
     """The finer tolerance far beyond the settling time from a single start, where all others are there at once."""
-    runs = [Run(40.0, 60.0, 0.5)] * 32
+    runs = [Run(40.0, 60.0, 0.5, tail=400.0)] * 32
     late = [runs[0]._replace(finer=1060.0), *runs[1:]]
     # Chance among few starts must not decide either: ten times later still, it counts a few times more.
     assert 0.01 * 40.0 < cost(late, 1100.0) - cost(runs, 1100.0) < 0.1 * 40.0
