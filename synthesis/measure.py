@@ -23,8 +23,8 @@ if TYPE_CHECKING:
     from .design import Candidate, Task
 
 FINER = 4  # parts of the tolerance, one of which is the finer one
-FINER_POWER = 0.08  # of the time to it in the cost: what comes after settling must not be traded away
-TAIL_POWER = 0.08  # of the tail: a start that just misses the tolerance must not take long
+FINER_POWER = 0.1  # of the time to it in the cost: what comes after settling must not be traded away
+TAIL_POWER = 0.1  # of the tail: a start that just misses the tolerance must not take long
 MOST_TAILS = 16  # random errors from which it is followed
 TAIL_VEHICLES = 640  # in all of them together: a large fleet is followed from one
 SHORTEST = 0.1  # s, as which shorter times count
