@@ -138,7 +138,8 @@ def cost(runs: Sequence[Run], horizon: float) -> float:
     finer = [max(time, min(run.finer, LONGEST_FINER * horizon)) for time, run in zip(times, runs, strict=True)]
     tail = statistics.fmean(min(run.tail, LONGEST_TAIL) for run in runs)
     settling, later, tail = (max(SHORTEST, time) for time in (_typical(times), _typical(finer), tail))
-    return settling ** (1 - FINER_POWER - TAIL_POWER) * later**FINER_POWER * tail**TAIL_POWER
+    weighted: float = settling ** (1 - FINER_POWER - TAIL_POWER) * later**FINER_POWER * tail**TAIL_POWER
+    return weighted
 
 
 def _typical(times: Iterable[float]) -> float:
