@@ -77,8 +77,8 @@ def search(
     """The best candidates found and the incumbents, to be ranked on starts that the search has not seen.
 
     The landscape has many basins: the incumbents and random scalars around them are tried, the best BASINS go on for
-    GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best goes on
-    with every gain of every role, and where that finds nothing better any more, the next best follows.
+    GENERATIONS, the better half of those again, and so on for SCALARS_SHARE of the time; then the best ROLES_BASINS
+    go on with every gain of every role, and the worse half of them ends with every third of the time.
     With `short` fewer are tried, the best SHORT_BASINS go on, for SHORT_ROUNDS, and that is all.
     An interrupt ends it with what it has, unless it is short. For one seed the generations are the same: only the
     clock can change the result.
