@@ -90,7 +90,7 @@ def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
     assert cost(runs * 2, 1000.0) == pytest.approx(cost(runs, 1000.0), rel=1e-12)
 
 
-def test_one_late_start_counts_more_than_its_share_in_the_mean() -> None:
+def test_one_late_start_counts_and_does_not_decide() -> None:
     """The finer tolerance far beyond the settling time from a single start, where all others are there at once."""
     runs = [Run(40.0, 60.0, 0.5, tail=400.0)] * 32
     late = [runs[0]._replace(finer=1060.0), *runs[1:]]

@@ -7,15 +7,13 @@ from typing import Any
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.equations import Plant, State, closed_loop
 from ..models.errors import UndecidedError, last_line
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.ops import casadi_column, casadi_ops, unbounded
-
-Floats = NDArray[np.float64]
+from .loop import Floats
 
 MAX_STEPS = 200_000  # of CVODES between two outputs
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
@@ -29,15 +27,14 @@ class Rollout:
         plant: Plant,
         excitation: Excitation,
         *,
-        step: float = 0.25,
-        piece: float = 50.0,
-        reltol: float = 1e-5,
-        abstol: float = 1e-6,
-        bounded: bool = True,
-        multistep: str = "bdf",
+        step: float,
+        piece: float,
+        reltol: float,
+        abstol: float,
+        bounded: bool,
+        multistep: str,
     ) -> None:
         """Build the integrator: output every `step` s, in pieces of `piece` s; `multistep` is bdf or adams."""
-        self.plant = plant
         self.vehicles = plant.graph.vehicles
         self.per_piece = max(1, round(piece / step))
         self.step = step
