@@ -42,6 +42,7 @@ class Excitation:
         """The number of the highest harmonic."""
         return max(len(self.sin), len(self.cos))
 
+    @cached_property
     def coefficients(self) -> list[tuple[int, Fraction, Fraction]]:
         """(n, sin_n, cos_n) of every harmonic that is present, without the factor pi^-p."""
         sin = self.sin + (Fraction(0),) * (self.harmonics - len(self.sin))
@@ -51,14 +52,14 @@ class Excitation:
     def phasors(self) -> list[tuple[float, complex]]:
         """(w in rad/s, A) of the mean and of every harmonic that is present: psi(t) is the sum of Im(A e^(i w t))."""
         scale = 1 / math.pi if self.over_pi else 1.0
-        tones = [(float(n * self.frequency), scale * complex(s, c)) for n, s, c in self.coefficients()]
+        tones = [(float(n * self.frequency), scale * complex(s, c)) for n, s, c in self.coefficients]
         return [(0.0, complex(0, self.mean)), *tones]
 
     def value(self, ops: Ops, t: Array) -> Array:
         """psi(t) over any algebra; exact over SymPy."""
         scale = 1 / ops.pi if self.over_pi else 1
         psi = ops.number(self.mean)
-        for n, s, c in self.coefficients():
+        for n, s, c in self.coefficients:
             phase = ops.number(n * self.frequency) * t
             parts = [ops.number(a) * wave(phase) for a, wave in ((s, ops.sin), (c, ops.cos)) if a]
             psi = psi + scale * sum(parts[1:], parts[0])
@@ -82,13 +83,13 @@ class Excitation:
     def derivative(self) -> Excitation:
         """psi'(t), again a Fourier sum."""
         sin, cos = [Fraction(0)] * self.harmonics, [Fraction(0)] * self.harmonics
-        for n, s, c in self.coefficients():
+        for n, s, c in self.coefficients:
             sin[n - 1], cos[n - 1] = -n * self.frequency * c, n * self.frequency * s
         return Excitation(Fraction(0), self.frequency, tuple(sin), tuple(cos), self.over_pi)
 
     def power(self) -> tuple[Fraction, int]:
         """(q, j): the integral of psi'^2 over one period 2 pi / w, (12), is exactly q pi^j, by orthogonality."""
-        squares = sum((n * n * (s * s + c * c) for n, s, c in self.coefficients()), Fraction(0))
+        squares = sum((n * n * (s * s + c * c) for n, s, c in self.coefficients), Fraction(0))
         return self.frequency * squares, 1 - 2 * self.over_pi
 
     @property
@@ -119,7 +120,7 @@ def _supremum(psi: Excitation) -> Fraction:
 
     with ctx.workprec(128):
         scale = 1 / arb.pi() if psi.over_pi else arb(1)
-        terms = [(n, scale * _arb(s), scale * _arb(c)) for n, s, c in psi.coefficients()]
+        terms = [(n, scale * _arb(s), scale * _arb(c)) for n, s, c in psi.coefficients]
         mean = _arb(psi.mean)
         curvature = sum((n * n * (abs(s) + abs(c)) for n, s, c in terms), arb(0))
 

@@ -19,12 +19,12 @@ from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
-from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.batch import MAX_STEPS
 from gaincert.synthesis.conditions import CONDITION_SETS
 from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design
 from gaincert.synthesis.excitation_design import flat_tones
 from gaincert.synthesis.measure import Run, measure
+from gaincert.synthesis.modes import modes
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
 from gaincert.synthesis.rounding import floor_digits, rounded

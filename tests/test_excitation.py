@@ -31,7 +31,7 @@ def random_wave(random, harmonics):
 def on_grid(psi, points):
     """psi over one period, and how far |psi| may rise above its largest grid value."""
     step = 2 * math.pi / float(psi.frequency) / points
-    curvature = float(psi.frequency) ** 2 * sum(n * n * math.hypot(s, c) for n, s, c in psi.coefficients())
+    curvature = float(psi.frequency) ** 2 * sum(n * n * math.hypot(s, c) for n, s, c in psi.coefficients)
     # The supremum has a flat top at most half a step from a grid point: Taylor with |psi''| <= curvature.
     return psi.value(numpy_ops(), step * np.arange(points)), curvature * step**2 / 8
 

@@ -17,7 +17,7 @@ from .ball import Ball, ball
 
 def rate_coefficients(psi: Excitation) -> list[tuple[int, Fraction, Fraction]]:
     """(n, cos_n, sin_n) of psi', without the factor pi^-p: n w s cos(n w t) - n w c sin(n w t)."""
-    return [(n, n * psi.frequency * s, -n * psi.frequency * c) for n, s, c in psi.coefficients()]
+    return [(n, n * psi.frequency * s, -n * psi.frequency * c) for n, s, c in psi.coefficients]
 
 
 def rate_power(psi: Excitation, turns: Fraction) -> tuple[Fraction, int] | None:
@@ -37,7 +37,7 @@ def rate_power(psi: Excitation, turns: Fraction) -> tuple[Fraction, int] | None:
 
 def variance(psi: Excitation) -> tuple[Fraction, int]:
     """(q, j): min over c of the integral of (psi - c)^2 over one period 2 pi / w is q pi^j (L10, by orthogonality)."""
-    squares = sum((s * s + c * c for _, s, c in psi.coefficients()), Fraction(0))
+    squares = sum((s * s + c * c for _, s, c in psi.coefficients), Fraction(0))
     return squares / psi.frequency, 1 - 2 * psi.over_pi
 
 
@@ -48,7 +48,7 @@ def times_power_of_pi(value: tuple[Fraction, int]) -> Ball:
 
 def odd_square_wave_terms(psi: Excitation) -> int | None:
     """K where psi = mean + sum_{k <= K} s/(2k-1) sin((2k-1) w t), else None; for these the zeros of psi' are known."""
-    terms = psi.coefficients()
+    terms = psi.coefficients
     amplitude = terms[0][1] if terms else Fraction(0)
     expected = [(2 * k - 1, amplitude / (2 * k - 1), Fraction(0)) for k in range(1, len(terms) + 1)]
     return len(terms) if terms and terms == expected else None
