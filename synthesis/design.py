@@ -22,7 +22,7 @@ from ..models.starts import Draw, random_starts, scale
 from ..models.tolerance import Tolerance
 from .conditions import ConditionSet, condition_set
 from .excitation_design import at_frequency, flat_tones
-from .measure import cost, measure_all
+from .measure import answering, cost, measure_all
 from .rates import Rates, rates
 from .rounding import decimal_places, rounded
 from .structure import Scalars, structured, within
@@ -172,7 +172,7 @@ def design(
     links = _weights(fleet, weights)
     task = prepare(fleet.with_links(links), conditions, excitation, seed, digits, tolerance, box)
     progress("solving the averaged program", 0.0)
-    candidates, horizon = _candidates(task)
+    candidates, horizon = _candidates(task, executor)
     searched = mode == "best" or len(fleet) <= SEARCHED_VEHICLES
     if searched:
         from .search import search
@@ -272,17 +272,23 @@ def _check_starts(fleet: Fleet) -> None:
         raise InfeasibleError("\n".join(mistakes))
 
 
-def _candidates(task: Task) -> tuple[list[Candidate], float]:
-    """Rounded candidates from the programs and the fallback, and the horizon that holds their tails."""
+def _candidates(task: Task, executor: Executor | None = None) -> tuple[list[Candidate], float]:
+    """Rounded candidates from the programs and the fallback, and the horizon that holds their tails.
+
+    The convex programs are solved in another process meanwhile where there is an executor.
+    """
     from .averaged import local_optima
     from .convex import convex_designs
 
     found: list[Candidate] = []
     predicted = []
+    convex = executor.submit(convex_designs, task) if executor else None
     for scalars, time in local_optima(task, distance=task.half_width):
         found += _kept(task.candidate, "averaged program", scalars)
         predicted.append(time)
-    for gains, tempo in convex_designs(task):
+    with answering():
+        designs = convex.result() if convex else convex_designs(task)
+    for gains, tempo in designs:
         found += _kept(task.exactly, "convex programs", gains, tempo)
     if not found:
         found.append(task.candidate("closed form", FALLBACK))

@@ -7,6 +7,7 @@ import os
 import statistics
 from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import BrokenExecutor, Executor
+from contextlib import contextmanager
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -22,8 +23,9 @@ from .tails import tail_times
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-TAIL_SHARE = 0.18  # of the tail in the cost: a start that ends its way across the track must not take long
+TAIL_SHARE = 0.035  # of the tail in the cost: a start that ends its way across the track must not take long
 TAIL_FROM = 1.0  # m, across the track
+TAIL_TO = 0.5  # of the tolerance
 TAIL_VEHICLES = 640  # in all modes that it is followed from: a large fleet is followed from the slowest alone
 LONGEST_TAIL = 1e5  # s, as which a longer one counts
 JOB_VEHICLES = 16_384  # simulated in one job, all its rollouts together
@@ -64,9 +66,16 @@ def measure_all(
         (task.plant, candidates[k : k + each], starts, horizon, task.tolerance, hopeless, steps)
         for k in range(0, len(candidates), each)
     ]
-    try:
+    with answering():
         for found in executor.map(measure, jobs) if executor else map(measure, jobs):
             yield from found
+
+
+@contextmanager
+def answering() -> Iterator[None]:
+    """While an executor is asked: a worker that dies is an UndecidedError."""
+    try:
+        yield
     except BrokenExecutor:
         raise UndecidedError("design: a worker process died or took too long; run the same command again") from None
 
@@ -81,16 +90,19 @@ def measure(job: Job) -> list[list[Run]]:
 
 
 def _tails(plant: Plant, trials: Sequence[Trial], tolerance: Tolerance) -> list[float]:
-    """How long TAIL_FROM across the track takes into the tolerance under every trial, s: from the worst of the modes.
+    """How long TAIL_FROM across the track takes into TAIL_TO of the tolerance under every trial, s: at the worst.
 
-    All vehicles alike would say too little: gains are soon found that are fast there alone, and what is left over
-    after the way there has the shape of the slowest mode.
+    Of the graph's slowest modes and as many random shapes, for gains are soon found that are fast from a few shapes
+    alone; and far in, where what is left has taken the slowest shape of these gains.
     """
-    count = max(1, min(MODES, TAIL_VEHICLES // plant.graph.vehicles))
-    shapes = modes(plant.graph, count).vectors
+    vehicles = plant.graph.vehicles
+    slow = modes(plant.graph, max(1, min(MODES, TAIL_VEHICLES // vehicles))).vectors
+    random = np.random.default_rng(0).standard_normal((vehicles, slow.shape[1] if slow.shape[1] > 1 else 0))
+    shapes = np.hstack([slow, random])
     y = TAIL_FROM * shapes / np.abs(shapes).max(axis=0)
     column = np.repeat(np.arange(len(trials)), shapes.shape[1]).tolist()
-    times = tail_times(plant, trials, column, np.tile(y, len(trials)), tolerance).reshape(len(trials), -1)
+    goal = Tolerance(TAIL_TO * tolerance.position, TAIL_TO * tolerance.heading)
+    times = tail_times(plant, trials, column, np.tile(y, len(trials)), goal).reshape(len(trials), -1)
     longest: list[float] = np.minimum(times, LONGEST_TAIL).max(axis=1).tolist()
     return longest
 

@@ -114,15 +114,15 @@ def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
 
 
 def test_the_tail_is_that_of_the_slowest_shape() -> None:
-    """No other shape of 1 m across the track takes much longer; all vehicles alike, which a design reports, less."""
+    """No other shape of 1 m across the track takes much longer to half the tolerance; all vehicles alike take less."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     candidate = task.candidate("here", GOOD)
     (run, *_) = next(measure_all(task, [candidate], task.starts(Draw.TRAINING, 1), 1.0, None))
     track = CrossTrack(task.plant, candidate.gains.map(floats), candidate.excitation)
     random = np.random.default_rng(0).standard_normal((6, 20))
-    times = [track.time_to(y / np.abs(y).max(), 0.1, 0.1)[0] for y in [np.ones(6), *random.T]]
+    times = [track.time_to(y / np.abs(y).max(), 0.05, 0.05)[0] for y in [np.ones(6), *random.T]]
     assert times[0] < run.tail
-    assert 0.5 * run.tail < max(times) < 1.3 * run.tail
+    assert 0.7 * run.tail < max(times) < 1.3 * run.tail
 
 
 def test_settling_later_never_pays() -> None:
