@@ -23,7 +23,7 @@ from .tails import tail_times
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-TAIL_SHARE = 0.035  # of the tail in the cost: a start that ends its way across the track must not take long
+TAIL_SHARE = 0.045  # of the tail in the cost: a start that ends its way across the track must not take long
 TAIL_FROM = 1.0  # m, across the track
 TAIL_TO = 0.5  # of the tolerance
 TAIL_VEHICLES = 640  # in all modes that it is followed from: a large fleet is followed from the slowest alone

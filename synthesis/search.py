@@ -173,7 +173,7 @@ class _Bounds(NamedTuple):
     steps: float  # of the most steps that it took from one start
 
 
-COMPARED, LEARNED, TRIED = _Bounds(6.0, 3.0, 10.0), _Bounds(3.0, 2.0, 5.0), _Bounds(3.0, 1.3, 3.0)
+COMPARED, LEARNED, TRIED = _Bounds(6.0, 3.0, 10.0), _Bounds(2.0, 1.6, 3.0), _Bounds(3.0, 1.3, 3.0)
 
 
 class _Trials:
