@@ -85,7 +85,7 @@ def search(
     """
     starts = task.starts(Draw.TRAINING, SHORT_STARTS if short else TRAINING_STARTS, SIMULATED_VEHICLES)
     others = task.starts(Draw.COMPARISON, SHORT_STARTS if short else OTHER_STARTS, SIMULATED_VEHICLES)
-    trials = _Trials(task, starts, others, horizon, executor, SHORT_LEARNED if short else LEARNED)
+    trials = _Trials(task, starts, others, horizon, executor)
     first, deadline = Deadline(SCALARS_SHARE * time_limit), Deadline(time_limit)
     runs: list[_Run] = []
     kept: list[Candidate] = []
@@ -173,8 +173,7 @@ class _Bounds(NamedTuple):
     steps: float  # of the most steps that it took from one start
 
 
-COMPARED, LEARNED, TRIED = _Bounds(6.0, 3.0, 10.0), _Bounds(2.0, 1.6, 3.0), _Bounds(3.0, 1.3, 3.0)
-SHORT_LEARNED = _Bounds(3.0, 2.0, 5.0)  # few starts: the best so far owes more to luck
+COMPARED, LEARNED, TRIED = _Bounds(6.0, 3.0, 10.0), _Bounds(3.0, 2.0, 5.0), _Bounds(3.0, 1.3, 3.0)
 
 
 class _Trials:
@@ -190,9 +189,8 @@ class _Trials:
         others: Sequence[State],
         horizon: float,
         executor: Executor | None,
-        bounds: _Bounds = LEARNED,
     ) -> None:
-        self.task, self.starts, self.others, self._bounds = task, starts, others, bounds
+        self.task, self.starts, self.others = task, starts, others
         self._horizon, self._executor = horizon, executor
         self.least, self._steps = math.inf, MAX_STEPS  # mean settling time (s) and most steps of the best so far
         self._next = 0  # of the training starts
@@ -211,7 +209,7 @@ class _Trials:
         every, begin = self.starts, self._next
         count = min(count, len(every))
         self._next = (begin + count) % len(every)
-        return iter(self._costs(candidates, [every[(begin + k) % len(every)] for k in range(count)], self._bounds))
+        return iter(self._costs(candidates, [every[(begin + k) % len(every)] for k in range(count)], LEARNED))
 
     def _costs(self, candidates: Sequence[Candidate], starts: Sequence[State], bounds: _Bounds) -> list[float]:
         horizon = min(self._horizon, bounds.horizon * self.least)

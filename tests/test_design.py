@@ -3,13 +3,14 @@
 import math
 import time
 from collections.abc import Iterator
+from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from gaincert.models.errors import InfeasibleError, InputError
+from gaincert.models.errors import InfeasibleError, InputError, UndecidedError
 from gaincert.models.fleet import Fleet, floats
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.limits import exact_numbers, float_numbers
@@ -19,12 +20,12 @@ from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
+from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.batch import MAX_STEPS
 from gaincert.synthesis.conditions import CONDITION_SETS
-from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design
+from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design, prepare
 from gaincert.synthesis.excitation_design import flat_tones
 from gaincert.synthesis.measure import Run, measure
-from gaincert.synthesis.modes import modes
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
 from gaincert.synthesis.rounding import floor_digits, rounded
@@ -213,7 +214,7 @@ def test_an_interrupt_of_the_last_choice_keeps_the_one_before(
         first.excitation = candidates[0].excitation
         return [first], [7.0, 9.0]
 
-    monkeypatch.setattr(design_module, "_candidates", lambda task: ([task.candidate("here", FALLBACK)], 300.0))
+    monkeypatch.setattr(design_module, "_candidates", lambda task, _: ([task.candidate("here", FALLBACK)], 300.0))
     monkeypatch.setattr(design_module, "rank", rank)
     monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
     made = design(paper_fleet(), conditions="corrected", excitation="designed", mode="best")
@@ -246,7 +247,7 @@ def test_only_a_long_search_is_kept_from_an_interrupt(mode: str, monkeypatch: py
         kept.append(keep)
         return candidates, [7.0]
 
-    monkeypatch.setattr(design_module, "_candidates", lambda task: ([task.candidate("here", FALLBACK)], 300.0))
+    monkeypatch.setattr(design_module, "_candidates", lambda task, _: ([task.candidate("here", FALLBACK)], 300.0))
     monkeypatch.setattr(design_module, "rank", rank)
     monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
     design(paper_fleet(), conditions="corrected", excitation="designed", mode=mode)
@@ -261,3 +262,27 @@ def test_leaving_a_pool_waits_for_no_work() -> None:
         assert executor.submit(abs, -1).result() == 1
         executor.submit(time.sleep, 40)
     assert time.monotonic() - begin < 30
+
+
+def test_the_convex_programs_may_run_elsewhere_and_change_nothing() -> None:
+    """The candidates are the same; where the worker dies the design says so."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+
+    class Elsewhere(ThreadPoolExecutor):
+        dies = False
+
+        def submit(self, function: Any, /, *args: Any, **kwargs: Any) -> Future[Any]:
+            return super().submit(die if self.dies else function, *args, **kwargs)
+
+    def die(*_: Any) -> None:
+        raise BrokenExecutor
+
+    with Elsewhere(1) as executor:
+        alone, together = design_module._candidates(task), design_module._candidates(task, executor)
+        executor.dies = True
+        with pytest.raises(UndecidedError, match="worker process died"):
+            design_module._candidates(task, executor)
+    for one, other in zip(alone[0], together[0], strict=True):
+        assert one.origin == other.origin
+        assert all((a == b).all() for a, b in zip(vars(one.gains).values(), vars(other.gains).values(), strict=True))
+    assert {candidate.origin for candidate in alone[0]} == {"averaged program", "convex programs"}
