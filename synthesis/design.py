@@ -282,12 +282,13 @@ def _candidates(task: Task, executor: Executor | None = None) -> tuple[list[Cand
 
     found: list[Candidate] = []
     predicted = []
-    convex = executor.submit(convex_designs, task) if executor else None
-    for scalars, time in local_optima(task, distance=task.half_width):
+    with answering():
+        convex = executor.submit(convex_designs, task) if executor else None
+        optima = local_optima(task, distance=task.half_width)
+        designs = convex.result() if convex else convex_designs(task)
+    for scalars, time in optima:
         found += _kept(task.candidate, "averaged program", scalars)
         predicted.append(time)
-    with answering():
-        designs = convex.result() if convex else convex_designs(task)
     for gains, tempo in designs:
         found += _kept(task.exactly, "convex programs", gains, tempo)
     if not found:

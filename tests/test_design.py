@@ -282,6 +282,9 @@ def test_the_convex_programs_may_run_elsewhere_and_change_nothing() -> None:
         executor.dies = True
         with pytest.raises(UndecidedError, match="worker process died"):
             design_module._candidates(task, executor)
+    broken = SimpleNamespace(submit=die)  # as a pool is from then on
+    with pytest.raises(UndecidedError, match="worker process died"):
+        design_module._candidates(task, broken)  # type: ignore[arg-type]
     for one, other in zip(alone[0], together[0], strict=True):
         assert one.origin == other.origin
         assert all((a == b).all() for a, b in zip(vars(one.gains).values(), vars(other.gains).values(), strict=True))
