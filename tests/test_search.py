@@ -311,21 +311,29 @@ def test_the_best_mean_so_far_limits_how_far_others_are_simulated(monkeypatch: p
     assert asked[3] == (times * search_module.LEAST_MEAN, hopeless * search_module.LEAST_MEAN, steps * 7)
 
 
-@pytest.mark.parametrize(("short", "limits"), [(True, {100.0}), (False, {20.0, 100.0})])
+@pytest.mark.parametrize(
+    ("short", "limits"),
+    [
+        (True, {"_explored": 100.0, "_halve": 100.0}),
+        (False, {"_explored": 20.0, "_halve": 20.0, "_search_roles": 100.0}),
+    ],
+)
 def test_a_share_of_the_time_ends_the_scalars_of_a_long_search_alone(
-    monkeypatch: pytest.MonkeyPatch, short: bool, limits: set[float]
+    monkeypatch: pytest.MonkeyPatch, short: bool, limits: dict[str, float]
 ) -> None:
     """Mode fast ends by itself: on a slow machine the clock must not choose another design."""
-    given: set[float] = set()
+    given: dict[str, float] = {}
 
-    class Clock(Deadline):
-        def __init__(self, seconds: float) -> None:
-            super().__init__(seconds)
-            given.add(seconds)
+    def part(name: str) -> Any:
+        def until(*arguments: Any) -> list[Any]:
+            given[name] = arguments[-2]
+            return []
 
-    monkeypatch.setattr(search_module, "Deadline", Clock)
+        return until
+
+    monkeypatch.setattr(search_module, "Deadline", lambda seconds: seconds)
     for name in ("_explored", "_halve", "_search_roles"):
-        monkeypatch.setattr(search_module, name, lambda *_: [])
+        monkeypatch.setattr(search_module, name, part(name))
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     search_module.search(task, [], 300.0, 100.0, short, None, lambda *_: None)
     assert given == limits
