@@ -15,7 +15,6 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -25,10 +24,10 @@ from numpy.typing import NDArray
 from ..models.equations import Plant
 from ..models.errors import last_line
 from ..models.excitation import Excitation
-from ..models.graph import Graph
 from ..models.limits import Limits, casadi_numbers
 from ..models.ops import casadi_column
 from .conditions import ConditionSet
+from .modes import Modes, modes
 from .structure import INWARD, Scalars, structured
 
 if TYPE_CHECKING:
@@ -38,9 +37,9 @@ Floats = NDArray[np.float64]
 LOG = logging.getLogger(__name__)
 
 LARGE = 200  # vehicles; beyond, one local optimum has to do
-MODES = 8  # slowest modes that the program sees of a large fleet
 TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
 SOLVE_SECONDS = 120.0  # of wall clock for IPOPT from one start: a busy machine takes some seconds
+MOST_ITERATIONS = 120  # of IPOPT from one start: whoever needs more reports no optimum or one that other starts find
 TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
 SLACK = 1e-3  # of a logarithm, by which an optimum may lie outside its bounds
 LARGEST = 50.0  # logarithm of a time in s that can be meant
@@ -50,30 +49,6 @@ STARTS = (
     Scalars(3.0, 2.2, 1.0, 5.0, 0.6, 0.25),
     Scalars(0.01, 0.1, 1.0, 0.01, 0.1, 1.2),
 )
-
-
-@dataclass(frozen=True)
-class Modes:
-    """The slowest modes of D^-1 L_l."""
-
-    eigenvalues: Floats  # (J,), lambda
-    vectors: Floats  # (N, J), U with U^T D U = 1
-
-
-def modes(graph: Graph, count: int = MODES) -> Modes:
-    """The `count` slowest modes of a graph with float weights."""
-    from scipy.linalg import eigh
-    from scipy.sparse import diags_array
-    from scipy.sparse.linalg import eigsh
-
-    root = diags_array(1 / np.sqrt(graph.degree))
-    normalised = root @ graph.composed_laplacian() @ root
-    if graph.vehicles <= 4 * count:
-        eigenvalues, vectors = eigh(normalised.toarray())
-        eigenvalues, vectors = eigenvalues[:count], vectors[:, :count]
-    else:
-        eigenvalues, vectors = eigsh(normalised.tocsc(), k=count, sigma=0, which="LM", v0=np.ones(graph.vehicles))
-    return Modes(eigenvalues, root @ vectors)
 
 
 def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
@@ -136,7 +111,13 @@ class AveragedProgram:
             *_conditions(plant, task.limits, task.conditions, scalars),
         ]
         options = {
-            "ipopt": {"print_level": 0, "sb": "yes", "max_iter": 300, "tol": 1e-4, "max_wall_time": SOLVE_SECONDS},
+            "ipopt": {
+                "print_level": 0,
+                "sb": "yes",
+                "max_iter": MOST_ITERATIONS,
+                "tol": 1e-4,
+                "max_wall_time": SOLVE_SECONDS,
+            },
             "print_time": False,
             "error_on_fail": False,
         }

@@ -317,7 +317,7 @@ def rank(
 ) -> tuple[list[Candidate], list[float]]:
     """The candidates by cost over the starts, least first, and the settling times (s) of the first.
 
-    They are simulated up to a share of the horizon, and further only where none of them settles from every start.
+    They are simulated up to a share of the horizon, and further where the first does not settle from every start.
     With `keep` an interrupt leaves those that have been measured, if there are any.
     """
     found: list[tuple[float, int, list[float]]] = []
@@ -327,7 +327,7 @@ def rank(
             for number, measured in enumerate(measure_all(task, candidates, starts, end, executor)):
                 found.append((cost(measured, end), number, [run.time for run in measured]))
                 progress("ranking candidates by simulation", (number + 1) / len(candidates))
-            if any(max(times) < math.inf for _, _, times in found):
+            if max(min(found)[2]) < math.inf:
                 break
     except KeyboardInterrupt:
         if not (keep and found):

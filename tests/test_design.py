@@ -20,12 +20,12 @@ from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
-from gaincert.synthesis.averaged import modes
 from gaincert.synthesis.batch import MAX_STEPS
 from gaincert.synthesis.conditions import CONDITION_SETS
 from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design, prepare
 from gaincert.synthesis.excitation_design import flat_tones
 from gaincert.synthesis.measure import Run, measure
+from gaincert.synthesis.modes import modes
 from gaincert.synthesis.program import fastest, nearest, rotation, translation
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
 from gaincert.synthesis.rounding import floor_digits, rounded
@@ -226,8 +226,8 @@ def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.Mo
     task = SimpleNamespace()
 
     def measured(*_: Any) -> Iterator[list[Run]]:
-        yield [Run(3.0, 4.0, 0.5)]
-        yield [Run(2.0, 4.0, 0.5)]
+        yield [Run(3.0, 0.5)]
+        yield [Run(2.0, 0.5)]
         raise KeyboardInterrupt
 
     def ranked(**options: bool) -> Any:
@@ -237,6 +237,23 @@ def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.Mo
     assert ranked(keep=True) == ([2, 1], [2.0])
     with pytest.raises(KeyboardInterrupt):
         ranked()
+
+
+def test_candidates_are_simulated_until_the_first_settles_from_every_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A short tail puts one first that does not settle in a short horizon: another that does must not end it all."""
+    horizons: list[float] = []
+
+    def measured(_task: Any, _candidates: Any, _starts: Any, horizon: float, *_: Any) -> Iterator[list[Run]]:
+        horizons.append(horizon)
+        yield [Run(10.0, 0.5, tail=1e5), Run(12.0, 0.5, tail=1e5)]
+        times = [11.0 if horizon > 30 else math.inf, 40.0 if horizon > 40 else math.inf]
+        yield [Run(time, 2.0, tail=0.1) for time in times]
+
+    monkeypatch.setattr(design_module, "measure_all", measured)
+    task: Any = SimpleNamespace()
+    ranked, times = design_module.rank(task, ["slow tail", "later"], [], 640.0, None, lambda *_: None)  # type: ignore[list-item]
+    assert horizons == [10.0, 40.0, 160.0]
+    assert (ranked, times) == (["later", "slow tail"], [11.0, 40.0])
 
 
 @pytest.mark.parametrize("mode", ["fast", "best"])

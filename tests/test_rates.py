@@ -11,7 +11,8 @@ from gaincert.models.fleet import Fleet, floats
 from gaincert.models.gains import Gains
 from gaincert.models.ops import numpy_ops
 from gaincert.models.paper import paper_fleet
-from gaincert.synthesis.averaged import _Flow, modes
+from gaincert.synthesis.averaged import _Flow
+from gaincert.synthesis.modes import modes
 from gaincert.synthesis.rates import CrossTrack
 from gaincert.synthesis.structure import Scalars, structured
 from scipy.integrate import solve_ivp

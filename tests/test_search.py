@@ -16,13 +16,14 @@ import numpy as np
 import pytest
 from gaincert.models.deadline import Deadline
 from gaincert.models.errors import InputError
+from gaincert.models.fleet import floats
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis import search as search_module
-from gaincert.synthesis.batch import PIECE
 from gaincert.synthesis.design import FALLBACK, _candidates, design, prepare
-from gaincert.synthesis.measure import FINER, NEVER, Run, cost, measure_all
+from gaincert.synthesis.measure import NEVER, Run, cost, measure_all
+from gaincert.synthesis.rates import CrossTrack
 from gaincert.synthesis.structure import Scalars
 from gaincert.verify.dispatch import local
 
@@ -77,27 +78,30 @@ def test_an_interrupted_search_writes_the_best_so_far(tmp_path: Path) -> None:
 
 
 def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
-    good = [Run(10.0, 20.0, 0.5), Run(90.0, 100.0, 0.9)]
-    bad = [Run(10.0, 20.0, 0.5), Run(float("inf"), float("inf"), 2.0)]
-    assert cost(good, 100.0) < cost(bad, 100.0) < float("inf")
-    endless = [good[0], good[1]._replace(finer=float("inf"))]
-    assert cost(good, 100.0) < cost(endless, 100.0) < float("inf")
+    good, bad = [Run(10.0, 0.5), Run(90.0, 0.9)], [Run(10.0, 0.5), Run(math.inf, 2.0)]
+    assert cost(good, 100.0) < cost(bad, 100.0) < math.inf
+
+
+def test_no_short_tail_makes_up_for_starts_that_do_not_settle() -> None:
+    """Where all settle within half the horizon, a tail longer by a decade weighs less than half of them unsettled."""
+    settled = [Run(50.0, 0.5, tail=3000.0)] * 32
+    unsettled = [Run(50.0, 0.5, tail=300.0), Run(math.inf, 5.0, tail=300.0)] * 16
+    assert cost(settled, 100.0) < cost(unsettled, 100.0)
 
 
 def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
     """The same starts twice cost the same: what many starts say and what few say can be compared."""
-    runs = [Run(10.0 * k, 15.0 * k, 0.5) for k in range(1, 9)]
+    runs = [Run(10.0 * k, 0.5, tail=100.0) for k in range(1, 9)]
     assert cost(runs * 2, 1000.0) == pytest.approx(cost(runs, 1000.0), rel=1e-12)
 
 
 def test_one_late_start_counts_and_does_not_decide() -> None:
-    """The finer tolerance far beyond the settling time from a single start, where all others are there at once."""
-    runs = [Run(40.0, 60.0, 0.5, tail=400.0)] * 32
-    late = [runs[0]._replace(finer=1060.0), *runs[1:]]
-    # Chance among few starts must not decide either: ten times later still, it counts a few times more.
-    assert 0.01 * 40.0 < cost(late, 1100.0) - cost(runs, 1100.0) < 0.1 * 40.0
-    later = [runs[0]._replace(finer=10_600.0), *runs[1:]]
-    assert 2 < (cost(later, 1100.0) - cost(runs, 1100.0)) / (cost(late, 1100.0) - cost(runs, 1100.0)) < 5
+    """Ten times as late as all others; a hundred times as late, which may be chance, it counts a few times more."""
+    runs = [Run(40.0, 0.5, tail=100.0)] * 32
+    late, later = ([runs[0]._replace(time=time), *runs[1:]] for time in (400.0, 4000.0))
+    more, most = (cost(one, 5000.0) - cost(runs, 5000.0) for one in (late, later))
+    assert 0.1 * 40.0 < more < 0.2 * 40.0
+    assert 2 * more < most < 6 * more
 
 
 def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
@@ -112,36 +116,30 @@ def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
     (tail,), (again,), (shorter,) = tails
     assert tail == again
     assert shorter < 0.9 * tail
-    runs = [Run(40.0, 60.0, 0.5, tail=tail)] * 4
+    runs = [Run(40.0, 0.5, tail=tail)] * 4
     assert cost(runs, 1000.0) > cost([run._replace(tail=shorter) for run in runs], 1000.0)
 
 
-def test_settling_later_never_pays() -> None:
-    """The cost rises with every settling time, whatever is late at the finer tolerance."""
-    random = np.random.default_rng(0)
-    for _ in range(200):
-        times = random.uniform(10, 100, 12)
-        runs = [Run(time, time * random.uniform(1, 20), 0.5) for time in times]
-        one = int(random.integers(12))
-        later = [
-            run._replace(time=run.time + (k == one)) if run.finer > run.time + 1 else run for k, run in enumerate(runs)
-        ]
-        every = [run._replace(time=run.time + 1, finer=max(run.finer, run.time + 1)) for run in runs]
-        assert cost(every, 1000.0) > cost(runs, 1000.0)
-        assert cost(later, 1000.0) >= cost(runs, 1000.0)
-
-
-@pytest.mark.slow
-def test_the_averaged_flow_tells_when_the_fleet_is_within_the_finer_tolerance() -> None:
-    """Against a rollout at that tolerance: to a fifth, and the piece that had to be settled."""
+def test_the_tail_is_that_of_the_slowest_shape() -> None:
+    """No other shape of 1 m across the track takes much longer to half the tolerance; all vehicles alike take less."""
     task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     candidate = task.candidate("here", GOOD)
-    finer = replace(task, tolerance=Tolerance(0.1 / FINER, 0.1 / FINER))
-    starts = task.starts(Draw.TRAINING, 5)
-    found, true = (next(measure_all(one, [candidate], starts, 8000.0, None)) for one in (task, finer))
-    later = [(a.finer, b.time) for a, b in zip(found, true, strict=True) if a.finer > a.time]
-    assert len(later) >= 4
-    assert all(abs(predicted - run) < 0.2 * run + PIECE for predicted, run in later)
+    (run, *_) = next(measure_all(task, [candidate], task.starts(Draw.TRAINING, 1), 1.0, None))
+    track = CrossTrack(task.plant, candidate.gains.map(floats), candidate.excitation)
+    random = np.random.default_rng(0).standard_normal((6, 20))
+    times = [track.time_to(y / np.abs(y).max(), 0.05, 0.05)[0] for y in [np.ones(6), *random.T]]
+    assert times[0] < run.tail
+    assert 0.7 * run.tail < max(times) < 1.3 * run.tail
+
+
+def test_settling_later_never_pays() -> None:
+    """The cost rises with every settling time."""
+    random = np.random.default_rng(0)
+    for _ in range(200):
+        runs = [Run(time, 0.5, tail=50.0) for time in random.uniform(10, 100, 12)]
+        one = int(random.integers(12))
+        later = [run._replace(time=run.time + (k == one)) for k, run in enumerate(runs)]
+        assert cost(later, 1000.0) > cost(runs, 1000.0)
 
 
 def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
@@ -283,7 +281,7 @@ def test_every_generation_learns_from_the_next_starts(monkeypatch: pytest.Monkey
 
     def measured(_task: Any, candidates: list[Any], starts: list[Any], *_: Any) -> Any:
         met.append(starts)
-        return iter([[Run(20.0, 30.0, 0.5)]] * len(candidates))
+        return iter([[Run(20.0, 0.5)]] * len(candidates))
 
     monkeypatch.setattr(search_module, "measure_all", measured)
     trials = search_module._Trials(None, list("abcde"), [], 300.0, None)  # type: ignore[arg-type]
@@ -295,7 +293,7 @@ def test_every_generation_learns_from_the_next_starts(monkeypatch: pytest.Monkey
 def test_the_best_mean_so_far_limits_how_far_others_are_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fleet that is settled from the start leaves a horizon, and one that never settles a finite one."""
     asked: list[tuple[float, float, int]] = []
-    answers = iter([NEVER, Run(20.0, 30.0, 0.5, 100), Run(0.0, 0.0, 0.1, 7), NEVER])
+    answers = iter([NEVER, Run(20.0, 0.5, 100), Run(0.0, 0.1, 7), NEVER])
 
     def measured(_task: Any, _candidates: Any, _starts: Any, horizon: float, _executor: Any, *rest: Any) -> Any:
         asked.append((horizon, *rest))
@@ -309,6 +307,25 @@ def test_the_best_mean_so_far_limits_how_far_others_are_simulated(monkeypatch: p
     assert asked[0] == asked[1] == (300.0, math.inf, most)
     assert asked[2] == (times * 20, hopeless * 20, steps * 100)
     assert asked[3] == (times * search_module.LEAST_MEAN, hopeless * search_module.LEAST_MEAN, steps * 7)
+
+
+def test_the_luckiest_from_few_starts_limits_nothing_once_more_have_spoken(monkeypatch: pytest.MonkeyPatch) -> None:
+    """How far others are simulated follows the cheapest from the most starts so far, not the one of least mean."""
+    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    answers = iter(
+        [
+            [[Run(20.0, 0.5, 10, tail=100.0)], [Run(15.0, 0.5, 20, tail=1e5)]],
+            [[Run(30.0, 0.5, 30, tail=100.0)] * 2, [Run(math.inf, 9.0, 40, tail=100.0)] * 2],
+            [[Run(1.0, 0.5, 50, tail=100.0)], [NEVER]],
+        ]
+    )
+    monkeypatch.setattr(search_module, "measure_all", lambda *_: iter(next(answers)))
+    trials = search_module._Trials(task, [None], [None] * 2, 300.0, None)  # type: ignore[list-item]
+    seen = []
+    for ask in (trials.explored, trials.compared, trials.explored):
+        ask([None, None])  # type: ignore[operator]
+        seen.append((trials.least, trials._steps))
+    assert seen == [(20.0, 10), (30.0, 30), (30.0, 30)]
 
 
 @pytest.mark.parametrize(

@@ -8,7 +8,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from gaincert.models.fleet import Fleet, Links
-from gaincert.synthesis.averaged import modes
+from gaincert.synthesis.modes import modes
 from gaincert.synthesis.weight_design import design_weights
 
 RING = Path(__file__).parent.parent / "mixed_ring.toml"
