@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from decimal import Decimal
 from fractions import Fraction
+from functools import lru_cache
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import PlainSerializer, PlainValidator
@@ -44,16 +45,21 @@ def decimal_text(number: Fraction) -> str:
     """
     if number.denominator == 1:
         return str(number.numerator)
-    twos = (number.denominator & -number.denominator).bit_length() - 1
-    rest, fives = number.denominator >> twos, 0
+    places = _decimal_places(number.denominator)
+    if places is None:
+        raise ValueError(f"{number} is no decimal number")
+    digits = str(abs(number.numerator) * 10**places // number.denominator).rjust(places + 1, "0")
+    return ("-" if number.numerator < 0 else "") + digits[:-places] + "." + digits[-places:]
+
+
+@lru_cache(maxsize=2**10)
+def _decimal_places(denominator: int) -> int | None:
+    """How many places after the point a fraction in lowest terms has; None where no decimal equals it."""
+    twos = (denominator & -denominator).bit_length() - 1
+    rest, fives = denominator >> twos, 0
     while rest % 5 == 0:
         rest, fives = rest // 5, fives + 1
-    if rest != 1:
-        raise ValueError(f"{number} is no decimal number")
-    places = max(twos, fives)
-    digits = str(abs(number.numerator) * 10**places // number.denominator).rjust(places + 1, "0")
-    whole, fraction = digits[: len(digits) - places], digits[len(digits) - places :]
-    return ("-" if number < 0 else "") + whole + ("." + fraction if places else "")
+    return max(twos, fives) if rest == 1 else None
 
 
 class Interval(NamedTuple):

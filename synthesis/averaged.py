@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import logging
 import math
-from collections.abc import Iterator
+from concurrent.futures import Executor
 from typing import TYPE_CHECKING, Any
 
 import casadi as ca
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from .design import Task
 
 Floats = NDArray[np.float64]
+Optimum = tuple[Scalars, float]  # with its predicted settling time, s
 LOG = logging.getLogger(__name__)
 
 LARGE = 200  # vehicles; beyond, one local optimum has to do
@@ -51,31 +52,42 @@ STARTS = (
 )
 
 
-def local_optima(task: Task, distance: float) -> list[tuple[Scalars, float]]:
+def local_optima(task: Task, distance: float, executor: Executor | None = None) -> list[Optimum]:
     """The different local optima that IPOPT reports from several starts, each with its predicted settling time in s.
 
-    `distance` (m) is how far the fleet starts from its goal.
+    `distance` (m) is how far the fleet starts from its goal. The programs are solved by the executor, if there is one.
     """
-    optima: list[tuple[Scalars, float]] = []
-    large = len(task.fleet) > LARGE
-    try:
-        for found in _found(task, distance, TIME_CONSTANTS[1:2] if large else TIME_CONSTANTS):
-            if not any(np.allclose(found[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
-                optima.append(found)
-            if large:
-                break
-    except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
-        LOG.warning("averaged program: broken off: %s", last_line(error))
+    programs = [(task, distance, constants) for constants in _time_constants(task)]
+    optima: list[Optimum] = []
+    for found, trouble in executor.map(_solved, programs) if executor else map(_solved, programs):
+        if trouble:
+            LOG.warning("averaged program: broken off: %s", trouble)
+        for optimum in found:
+            if not any(np.allclose(optimum[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
+                optima.append(optimum)
     if not optima:
         LOG.warning("averaged program: left out, because IPOPT reports no optimum")
     return optima
 
 
-def _found(task: Task, distance: float, time_constants: tuple[float, ...]) -> Iterator[tuple[Scalars, float]]:
-    """What IPOPT finds, program after program and start after start."""
-    for constants in time_constants:
-        program = AveragedProgram(task, distance=distance, time_constants=constants)
-        yield from filter(None, map(program.solve, STARTS))
+def _time_constants(task: Task) -> tuple[float, ...]:
+    return TIME_CONSTANTS[1:2] if len(task.fleet) > LARGE else TIME_CONSTANTS
+
+
+def _solved(program: tuple[Task, float, float]) -> tuple[list[Optimum], str]:
+    """What IPOPT finds from the starts, of a large fleet the first alone, and what broke it off, if something did."""
+    task, distance, constants = program
+    found: list[Optimum] = []
+    try:
+        averaged = AveragedProgram(task, distance=distance, time_constants=constants)
+        for start in STARTS:
+            if optimum := averaged.solve(start):
+                found.append(optimum)
+                if len(task.fleet) > LARGE:
+                    break
+    except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
+        return found, last_line(error)
+    return found, ""
 
 
 class AveragedProgram:
@@ -126,7 +138,7 @@ class AveragedProgram:
         self._lower = np.array([*[-9.0] * 5, low, -9.0, -9.0, -12.0, -9.0])
         self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
 
-    def solve(self, start: Scalars) -> tuple[Scalars, float] | None:
+    def solve(self, start: Scalars) -> Optimum | None:
         """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one.
 
         What it calls an optimum but lies outside its bounds is none. Raises RuntimeError where IPOPT breaks down or the

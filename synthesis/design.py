@@ -275,7 +275,7 @@ def _check_starts(fleet: Fleet) -> None:
 def _candidates(task: Task, executor: Executor | None = None) -> tuple[list[Candidate], float]:
     """Rounded candidates from the programs and the fallback, and the horizon that holds their tails.
 
-    The convex programs are solved in another process meanwhile where there is an executor.
+    All are solved in other processes where there is an executor.
     """
     from .averaged import local_optima
     from .convex import convex_designs
@@ -284,7 +284,7 @@ def _candidates(task: Task, executor: Executor | None = None) -> tuple[list[Cand
     predicted = []
     with answering():
         convex = executor.submit(convex_designs, task) if executor else None
-        optima = local_optima(task, distance=task.half_width)
+        optima = local_optima(task, task.half_width, executor)
         designs = convex.result() if convex else convex_designs(task)
     for scalars, time in optima:
         found += _kept(task.candidate, "averaged program", scalars)

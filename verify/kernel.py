@@ -577,20 +577,23 @@ def rate(claims: Claims, name: str, stated: Any, vector: Any) -> None:
     x = sequence(vector, len(claims.vehicles))
     if not all(type(entry) is int and entry > 0 for entry in x):
         raise FalseError(f"{name}: the vector must have positive integers as entries")
-    unit = lcm(*(weight.denominator for _, _, weight in claims.edges))
+    unit = lcm(*(v.degree.denominator for v in claims.vehicles), *(weight.denominator for _, _, weight in claims.edges))
     neighbours = [0] * len(x)  # sum_j a_ij x_j, times unit
     for i, j, weight in claims.edges:
         scaled = weight.numerator * (unit // weight.denominator)
         neighbours[i] += scaled * x[j]
         neighbours[j] += scaled * x[i]
+    twice, scaled_gamma = 2 * gamma, gamma * unit
     for v, own, others in zip(claims.vehicles, x, neighbours, strict=True):
         p, d, mass = (v.p_omega, v.d_omega, v.inertia) if name == "gamma_omega" else (v.p_v, v.d_v, v.mass)
-        most = 2 * gamma * mass[1]
+        most = twice * mass[1]
         if d < most:
             raise FalseError(f"{name}: vehicle {v.name!a}: C >= 2 gamma M fails: {shown(d / p)} < {shown(most / p)}")
-        row = p * (v.degree * own - Fraction(others, unit)) + gamma * (gamma * mass[0] - d) * own
+        pulled = v.degree.numerator * (unit // v.degree.denominator) * own - others  # of L_l x, times unit
+        row = p * pulled + (gamma * mass[0] - d) * (scaled_gamma * own)
         if row < 0:
-            raise FalseError(f"{name}: vehicle {v.name!a}: (K - gamma C + gamma^2 M) x is {shown(row / p)} < 0")
+            off = shown(row / p / unit)
+            raise FalseError(f"{name}: vehicle {v.name!a}: (K - gamma C + gamma^2 M) x is {off} < 0")
 
 
 # -- the verdict ------------------------------------------------------------------------------------------------------

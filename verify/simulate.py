@@ -25,6 +25,7 @@ from .recording import Recording
 
 Floats = NDArray[np.float64]
 
+ROUNDING = 64 * 2.0**-52  # of the largest coordinate: what thousands of steps in doubles lose at any tolerance
 LOOSER = 10.0  # times its tolerance: the run that an integrator's error is measured against
 STEP = 0.1  # s between stored points
 PIECE = 20.0  # s between looks at the clock
@@ -164,9 +165,13 @@ def integration_error(run: Trajectory) -> dict[str, float]:
     """The largest difference to a run at LOOSER times the tolerance, over all stored points.
 
     It is the error of that looser run, up to the smaller one of `run` itself: an estimate from above of the latter.
+    Where both are at the rounding of doubles they may agree by chance: no error below ROUNDING is reported.
     """
     looser = run.integrator.with_tolerance(LOOSER * run.integrator.tolerance)
-    position, heading, seen = 0.0, 0.0, 1
+    largest_x, largest_y, heading = (
+        ROUNDING * float(np.abs(column).max()) for column in (run.state.x, run.state.y, run.state.theta)
+    )
+    position, seen = float(np.hypot(largest_x, largest_y)), 1
     for t, state in looser.pieces(State(*(column[0] for column in run.state))):
         part = slice(seen, min(seen + len(t), len(run.t)))
         count = part.stop - part.start
