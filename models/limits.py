@@ -142,7 +142,7 @@ def float_numbers() -> Numbers:
     """Floats: plain rounding, for display and search; never for a verdict."""
     import numpy as np
 
-    return Numbers(lambda *parts: np.sqrt(2 * sum(part * part for part in parts)), _tanh_or(np.inf))
+    return Numbers(lambda *parts: np.sqrt(2 * _squares(*parts)), _tanh_or(np.inf))
 
 
 @cache
@@ -152,7 +152,7 @@ def exact_numbers() -> Numbers:
 
     root = np.frompyfunc(sqrt_above, 1, 1)
     hyperbolic = np.frompyfunc(tanh_below, 1, 1)
-    return Numbers(lambda *parts: root(2 * sum(part * part for part in parts)), hyperbolic)
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
 
 
 @cache
@@ -169,9 +169,7 @@ def casadi_numbers() -> Numbers:
     import casadi as ca
 
     endless = _tanh_or(math.inf)
-    return Numbers(
-        lambda *parts: ca.sqrt(2 * sum(part * part for part in parts)), lambda q: ca.DM(endless(ca.DM(q).full()))
-    )
+    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(endless(ca.DM(q).full())))
 
 
 @cache
@@ -182,7 +180,11 @@ def sympy_numbers() -> Numbers:
 
     root = np.frompyfunc(sp.sqrt, 1, 1)
     hyperbolic = np.frompyfunc(lambda q: sp.oo if q == math.inf else sp.tanh(q), 1, 1)
-    return Numbers(lambda *parts: root(2 * sum(part * part for part in parts)), hyperbolic)
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
+
+
+def _squares(first: Array, *rest: Array) -> Array:
+    return sum((part * part for part in rest), first * first)
 
 
 def _tanh_or(endless: float) -> Callable[[Array], Array]:

@@ -1,4 +1,4 @@
-"""Rollouts of the closed loop from many starts under many gains at once, side by side in NumPy arrays.
+"""Rollouts of the closed loop from many starts under many gains at once, side by side in compiled loops.
 
 Each rollout is a column with its own gains, frequency of psi, time and step. In single precision and to two digits they
 rank candidates; `verify` integrates a design anew.
@@ -7,43 +7,37 @@ rank candidates; `verify` integrates a design anew.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import replace
+from collections.abc import Sequence
+from dataclasses import fields, replace
 from fractions import Fraction
+from functools import lru_cache
 from typing import Any, NamedTuple
 
+import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import RK23
 
 from ..models.deadline import Deadline
 from ..models.equations import Plant, State, closed_loop
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
-from ..models.ops import turning_ops
+from ..models.graph import Graph
 from ..models.tolerance import Tolerance
+from .columns import Accuracy, Columns, Rate
+from .compiler import At, Compiled, Loop, Single, compiled, pointer, single_ops
 
 Array = NDArray[Any]
-Single = np.float32
-
-
-class Accuracy(NamedTuple):
-    """The error that a step may have, in the root mean square over a column, and how long it may be."""
-
-    relative: float
-    absolute: float  # in units of the column
-    longest: float  # s
-
 
 # Enough to rank: test_what_ranks_is_accurate_enough compares the mean settling time with that at tolerances of 1e-8.
 ACCURACY = Accuracy(1e-2, 1e-3, 2.0)
 FIRST_STEP, SHORTEST_STEP = 0.05, 1e-5  # s
-SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-VEHICLES = 8192  # side by side: more leave the cache
+VEHICLES = 16_384  # side by side: more leave the cache
 BETWEEN = 8  # steps between two looks at what is done
 MAX_STEPS = 100_000  # of one rollout
 SECONDS = 600.0  # of wall clock for all
 PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
+PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
+POSE = 3
 
 
 class Trial(NamedTuple):
@@ -85,66 +79,6 @@ def settle_all(
     return [[batch.found.get((i, k)) for k in range(len(starts))] for i in range(len(trials))]
 
 
-class Columns:
-    """Initial value problems side by side, each with its own time and step, by Bogacki and Shampine's pair."""
-
-    def __init__(self, rate: Callable[[Array, Array], Array], t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
-        """Begin at the times t (B,) and values y (..., B) with steps h (B,), s; `rate(t, y)` gives y'."""
-        self.rate, self.t, self.y, self.h = rate, t, y, h
-        self._accuracy = accuracy
-        self.slope = rate(t, y)
-
-    def step(self) -> Array:
-        """Try a step of every column; which were taken, (B,)."""
-        h, slopes = self.h.astype(self.y.dtype), [self.slope]
-        for weights, share in zip([*_STAGES, _SOLUTION], _TIMES, strict=True):
-            new = _sum(weights, slopes)
-            new *= h
-            new += self.y
-            slopes.append(self.rate(self.t + share * self.h, new))
-        error = _sum(_ERROR, slopes)
-        error *= h
-        size = self._error(error, new)
-        taken = size <= 1
-        self.t = np.where(taken, self.t + self.h, self.t)
-        self.y, self.slope = np.where(taken, new, self.y), np.where(taken, slopes[-1], slopes[0])
-        self.h = np.minimum(self.h * np.clip(SAFETY * size ** (-1 / 3), SHRINK, GROW), self._accuracy.longest)
-        return taken
-
-    def _error(self, error: Array, new: Array) -> Array:
-        """The error of a step over what is admitted, (B,); huge where it is not a number."""
-        admitted = np.abs(new)
-        admitted *= self._accuracy.relative
-        admitted += self._accuracy.absolute
-        error /= admitted
-        error *= error
-        mean = np.sqrt(_column_means(error))
-        bounded: Array = np.clip(np.nan_to_num(mean, nan=1e3, posinf=1e3), 1e-6, 1e3)
-        return bounded
-
-
-_TIMES = (*RK23.C[1:], 1.0)
-_STAGES = [row[:i].astype(Single) for i, row in enumerate(RK23.A[1:], 1)]
-_SOLUTION, _ERROR = RK23.B.astype(Single), RK23.E.astype(Single)
-
-
-def _sum(weights: Array, terms: Sequence[Array]) -> Array:
-    (weight, term), *rest = [(weight, term) for weight, term in zip(weights, terms, strict=True) if weight]
-    total: Array = weight * term
-    for weight, term in rest:
-        total += weight * term
-    return total
-
-
-def _column_means(values: Array) -> Array:
-    """The mean of every column (..., B), in an order of summation that does not depend on what stands beside it."""
-    rows = np.ascontiguousarray(values).reshape(-1, values.shape[-1])
-    if rows.shape[1] == 1:
-        rows = np.repeat(rows, 2, axis=1)
-    means: Array = np.mean(rows, axis=0)[: values.shape[-1]]
-    return means
-
-
 class _Batch:
     """The columns at work, those that wait, and what has been found."""
 
@@ -162,16 +96,15 @@ class _Batch:
         self._plant, self._horizon, self._hopeless = plant.map(_single), horizon, hopeless * len(starts)
         self._most = steps
         self._width = max(1, VEHICLES // plant.graph.vehicles)
-        self._ops = turning_ops(plant.graph, Single)
+        self._loops = _closed_loops(replace(trials[0].excitation, frequency=Fraction(1)))
         self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
         self._starts = _stacked(State._fields, starts)
-        self._psi = replace(trials[0].excitation, frequency=Fraction(1)).map(Single)
         self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
         self._hold = np.maximum(PIECE, 2 * math.pi / self._frequency)
+        self._numbers = _rows([getattr(self._plant, name) for name in PLANT], plant.graph.vehicles)
         reference = self._plant.offset_x + self._plant.leader_x, self._plant.offset_y + self._plant.leader_y
-        self._goal = np.stack([*reference, np.broadcast_to(self._plant.leader_theta, reference[0].shape)])[..., None]
-        within = [tolerance.position, tolerance.position, tolerance.heading]
-        self._within = _single(within)[:, None, None]
+        self._goal = _rows([*reference, self._plant.leader_theta], plant.graph.vehicles)
+        self._within = _rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
         # Start after start, so that what is hopeless shows before all of its starts are run.
         self._trial = np.tile(np.arange(len(trials)), len(starts))
         self._start = np.repeat(np.arange(len(starts)), len(trials))
@@ -179,7 +112,7 @@ class _Batch:
         self._waiting = np.arange(len(self._trial))
         self._at = self._waiting[:0]  # the number of each column
         self._columns = self._side_by_side(np.zeros(0), self._starts[..., :0], np.zeros(0))
-        self._steps = self._excess = np.zeros(0)
+        self._steps = self._excess = self._last = np.zeros(0)
 
     def refill(self) -> bool:
         """Let columns that wait take the places that are free; whether anything is at work."""
@@ -192,21 +125,22 @@ class _Batch:
 
     def step(self) -> None:
         """One step of every column, and a look at where it is and where it was halfway."""
-        columns = self._columns
-        t, pose, slope = columns.t, columns.y[:3], columns.slope[:3]
-        taken = columns.step()
-        new = columns.y[:3]
-        h = (columns.t - t).astype(Single)
-        halfway = (pose + new) / 2 + h / 8 * (slope - columns.slope[:3])
-        self._excess = self._over(new)
+        columns, t = self._columns, self._columns.t
+        columns.attempt()
+        self._furthest[...] = 0
+        self._observe()
+        columns.accept()
+        taken = columns.taken > 0
+        there, halfway = self._furthest
+        self._excess = np.where(taken, there, self._excess)
+        self._last = np.where(taken & (halfway > 1), (t + columns.t) / 2, self._last)
+        self._last = np.where(self._excess > 1, columns.t, self._last)
         self._steps += 1
-        last = np.where(taken & (self._over(halfway) > 1), (t + columns.t) / 2, self._outside[self._at])
-        self._outside[self._at] = np.where(self._excess > 1, columns.t, last)
 
     def look(self) -> None:
         """Take out what has settled, what has not by the horizon, what gave up, and what is hopeless."""
         columns, trial = self._columns, self._trial[self._at]
-        last = self._outside[self._at]
+        last = self._outside[self._at] = self._last
         settled = columns.t - last > self._hold[trial]
         late = (columns.t >= self._horizon) | (self._steps >= self._most)
         stalled = columns.h < SHORTEST_STEP
@@ -214,7 +148,7 @@ class _Batch:
             key = int(trial[place]), int(self._start[self._at[place]])
             time = float(last[place]) if settled[place] else math.inf
             final = State(*columns.y[..., place].astype(float))
-            excess, end, steps = float(self._excess[place]), float(columns.t[place]), int(self._steps[place])
+            excess, end, steps = math.sqrt(self._excess[place]), float(columns.t[place]), int(self._steps[place])
             self.found[key] = Settling(time, excess, end, final, steps)
         self._outside[self._at[stalled | (late & ~settled)]] = self._horizon
         least = np.bincount(self._trial, np.minimum(self._outside, self._horizon))
@@ -232,34 +166,168 @@ class _Batch:
         y = np.concatenate([old.y[..., stay], self._starts[..., self._start[new]]], axis=-1)
         self._columns = self._side_by_side(t, y, h)
         self._steps = np.concatenate([self._steps[stay], zeros])
-        self._excess = self._over(y[:3])
+        self._last = np.concatenate([self._last[stay], zeros])
+        self._excess = np.concatenate([self._excess[stay], zeros + math.inf])
 
     def _side_by_side(self, t: Array, y: Array, h: Array) -> Columns:
         """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
-        trial = self._trial[self._at]
-        gains = Gains(*(np.ascontiguousarray(column[:, trial]).T for column in self._gains))
-        frequency = self._frequency[trial]
-        # As large as the states, (B, N) or (B, E), for the equations alone: NumPy is twice as slow where it broadcasts.
-        plant = self._plant.map(lambda v: np.repeat(v[:, None], len(trial), axis=1).T if v.ndim else v)
+        trial, width = self._trial[self._at], len(t)
+        graph, vehicles = self._plant.graph, self._plant.graph.vehicles
+        frequency = self._frequency[trial] / (2 * math.pi)
+        turns, sums = np.empty(width, Single), np.empty((POSE, vehicles, width), Single)
+        shared = {
+            "gains": np.ascontiguousarray(self._gains[..., trial]),
+            "plant": self._numbers,
+            "weight": graph.weight,
+            "leader_weight": graph.leader_weight,
+            "turns": turns,
+            "psi": np.empty(width, Single),
+            "z": np.empty_like(sums),
+            "sums": sums,
+        }
+        pointers = {name: pointer(array) for name, array in shared.items()}
+        ends = [pointer(rows, np.int64) for rows in (graph.tail, graph.head)]
 
-        def rate(t: Array, y: Array) -> Array:
-            # A phase of many periods has no digits left in single precision.
-            phase = np.remainder(t * frequency, 2 * math.pi).astype(Single)[:, None]
-            state = State(*(column.T for column in y))
-            rates = closed_loop(self._ops, plant, gains, self._psi, phase, state)
-            return np.stack([column.T for column in rates])
+        def problem(state: Array, rates: Array) -> Rate:
+            arrays = {**pointers, "state": pointer(state), "rates": pointer(rates)}
+            excite = self._loops["excitation"].bind(1, width, arrays)
+            place = self._loops["coordinates"].bind(vehicles, width, arrays)
+            couple = self._loops["edges"].bind(graph.edges, width, arrays, ends, vehicles)
+            move = self._loops["vehicles"].bind(vehicles, width, arrays)
 
-        return Columns(rate, t, y, h, ACCURACY)
+            def rate(t: Array) -> None:
+                # Many turns have no digits left in single precision.
+                periods = t * frequency
+                turns[...] = periods - np.floor(periods)
+                sums[...] = 0
+                excite(), place(), couple(), move()
 
-    def _over(self, pose: Array) -> Array:
-        """The largest error of poses (3, N, B) over its tolerance, (B,)."""
-        away = (pose - self._goal) / self._within
-        away *= away
-        return np.asarray(np.sqrt(np.maximum(away[0] + away[1], away[2]).max(axis=0)), dtype=float)
+            return rate
+
+        columns = Columns(problem, t, y, h, ACCURACY)
+        self._furthest = np.empty((2, width), Single)
+        observed = {
+            "pose": columns.y[:POSE],
+            "new": columns.new[:POSE],
+            "slope": columns.slopes[0, :POSE],
+            "ahead": columns.slopes[-1, :POSE],
+            "h": columns.step_length,
+            "goal": self._goal,
+            "within": self._within,
+            "furthest": self._furthest,
+        }
+        self._observe = self._loops["distances"].bind(
+            vehicles, width, {name: pointer(array) for name, array in observed.items()}
+        )
+        return columns
+
+
+@lru_cache(maxsize=16)
+def _closed_loops(excitation: Excitation) -> dict[str, Compiled]:
+    """(13)-(14) in loops over the columns, the vehicles and the edges, and how far off the vehicles are."""
+    symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
+    coordinates: list[Any] = []
+    between: list[Any] = []
+    differences, sums = symbol("differences", POSE), symbol("sums", POSE)
+
+    def edge_difference(_: Graph, z: Any) -> Any:
+        coordinates.append(z)
+        return differences[len(coordinates) - 1]
+
+    def edge_sum(_: Graph, f: Any) -> Any:
+        between.append(f)
+        return sums[len(between) - 1]
+
+    ops = replace(single_ops(), edge_difference=edge_difference, edge_sum=edge_sum)
+    weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
+    numbers, gains, state = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
+    nobody = np.zeros(0, dtype=np.int64)
+    plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
+    known = _Known(psi)
+    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains)), known, turns, State(*ca.vertsplit(state)))  # type: ignore[arg-type]
+    first, second = symbol("z_tail", POSE), symbol("z_head", POSE)
+    at_first, at_second = symbol("sums_tail", POSE), symbol("sums_head", POSE)
+    force = ca.substitute(ca.vertcat(*between), differences, first - second)
+    return compiled(
+        {
+            "excitation": Loop(
+                ca.Function("f", [turns], [excitation.value(ops, 2 * math.pi * turns)]),
+                [("turns", column)],
+                [("psi", column)],
+            ),
+            "coordinates": Loop(
+                ca.Function("f", [state, numbers], [ca.vertcat(*coordinates)]),
+                [("state", each), ("plant", item)],
+                [("z", each)],
+            ),
+            "edges": Loop(
+                ca.Function("f", [first, second, weight, at_first, at_second], [at_first + force, at_second - force]),
+                [("z", At.TAIL), ("z", At.HEAD), ("weight", item), ("sums", At.TAIL), ("sums", At.HEAD)],
+                [("sums", At.TAIL), ("sums", At.HEAD)],
+            ),
+            "vehicles": Loop(
+                ca.Function("f", [state, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
+                [
+                    ("state", each),
+                    ("plant", item),
+                    ("leader_weight", item),
+                    ("gains", each),
+                    ("psi", column),
+                    ("sums", each),
+                ],
+                [("rates", each)],
+            ),
+            "distances": _distances(),
+        }
+    )
+
+
+class _Known(NamedTuple):
+    """An excitation whose value is known."""
+
+    psi: Array
+
+    def value(self, *_: object) -> Array:
+        return self.psi
+
+
+def _distances() -> Loop:
+    """The largest squared error over its tolerance, at the end of a step and halfway, by Hermite's cubic."""
+    pose, new, slope, ahead, goal, within = (
+        ca.SX.sym(name, POSE) for name in ("pose", "new", "slope", "ahead", "goal", "within")
+    )
+    h, furthest = ca.SX.sym("h"), ca.SX.sym("furthest", 2)
+    halfway = (pose + new) / 2 + h / 8 * (slope - ahead)
+
+    def over(place: Any) -> Any:
+        x, y, theta = ca.vertsplit(((place - goal) / within) ** 2)
+        return ca.fmax(x + y, theta)
+
+    largest = ca.fmax(ca.vertcat(over(new), over(halfway)), furthest)
+    each, item = At.EACH, At.ITEM
+    return Loop(
+        ca.Function("f", [pose, new, slope, ahead, goal, within, h, furthest], [largest]),
+        [
+            ("pose", each),
+            ("new", each),
+            ("slope", each),
+            ("ahead", each),
+            ("goal", item),
+            ("within", item),
+            ("h", At.COLUMN),
+            ("furthest", At.COLUMN),
+        ],
+        [("furthest", At.COLUMN)],
+    )
 
 
 def _single(values: Any) -> Array:
     return np.asarray(values, dtype=Single)
+
+
+def _rows(values: Sequence[Any], items: int) -> Array:
+    """Numbers of every item, or one for all, as rows (values, items)."""
+    return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
 
 
 def _stacked(names: Sequence[str], items: Sequence[Any]) -> Array:

@@ -11,7 +11,8 @@ import numpy as np
 from ..models.equations import Plant
 from ..models.errors import UndecidedError
 from ..models.tolerance import Tolerance
-from .batch import Accuracy, Columns, Trial
+from .batch import Trial
+from .columns import Accuracy, Columns, Rate
 from .rates import CrossTrack, Floats, heading_coefficients, track_coefficients
 
 DENSE_VEHICLES = 40  # up to here the responses of all trials are inverted and kept side by side
@@ -48,14 +49,18 @@ def _together(tracks: CrossTrack, y: Floats, tolerance: Tolerance) -> Floats:
 
     width = y.shape[1]
     first = np.full(width, FIRST_STEP)
-    columns = Columns(lambda _, y: -tracks.flow(y), np.zeros(width), y, first, ACCURACY)
+
+    def problem(y: Floats, slope: Floats) -> Rate:
+        return lambda _: np.copyto(slope, -tracks.flow(y))
+
+    columns = Columns(problem, np.zeros(width), y, first, ACCURACY)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         now = closeness(y)
         times = np.where(now >= 1, 0.0, math.inf)
         for left in reversed(range(STEPS)):
             begin, before = columns.t, now
             columns.step()
-            now = closeness(columns.y)
+            now = closeness(columns.y.astype(float))
             reached = begin + (1 - before) * (columns.t - begin) / (now - before)
             news = np.isinf(times) & (now > before) & ((now >= 1) | (left == 0))
             times = np.where(news, reached, times)

@@ -19,7 +19,7 @@ import pytest
 from gaincert import cli
 from gaincert.benchmarks import faults
 from gaincert.console import Printer
-from gaincert.models.equations import State
+from gaincert.models.equations import State, closed_loop
 from gaincert.models.errors import UndecidedError
 from gaincert.models.fleet import Fleet
 from gaincert.models.fleet_file import load
@@ -235,8 +235,9 @@ def test_gains_that_the_integrator_gives_up_on_count_as_never_settled(
     fleet: Fleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def broken(*arguments: Any) -> State:
-        return State(*(math.nan * column for column in arguments[-1]))
+        return State(*(math.nan * column for column in closed_loop(*arguments)))
 
+    monkeypatch.setattr(batch, "_closed_loops", batch._closed_loops.__wrapped__)
     monkeypatch.setattr(batch, "closed_loop", broken)
     assert set(designed(fleet).settling) == {math.inf}
 

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-import gc
 import json
 import platform
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass
 from fractions import Fraction
 from importlib.metadata import version
@@ -79,19 +76,7 @@ class Certificate:
         return cls(content, verdict, {name: column(map(_number, entries)) for name, entries in stated.items()})
 
 
-@contextmanager
-def _no_collections() -> Iterator[None]:
-    """Fractions form no cycles; looking for some among millions of them would take a fifth of the time."""
-    collecting = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if collecting:
-            gc.enable()
-
-
-@_no_collections()
+@kernel.no_collections()
 def certify(
     fleet: Fleet,
     excitation: Excitation,
@@ -201,11 +186,13 @@ def _gain_texts(fleet: Fleet, gains: Gains) -> dict[str, list[str]]:
         values = getattr(gains, name)
         if len(values) != len(fleet):
             raise InputError(f"gains: {name} has {len(values)} entries for {len(fleet)} vehicles; give one per vehicle")
-        labels = [f"gains: {name} of vehicle {vehicle!r}" for vehicle in fleet.names]
-        texts[name] = [_decimal(value, label) for label, value in zip(labels, values, strict=True)]
-        for label, value in zip(labels, values, strict=True):
+        texts[name] = [
+            _decimal(value, f"gains: {name} of vehicle {vehicle!r}")
+            for vehicle, value in zip(fleet.names, values, strict=True)
+        ]
+        for vehicle, value, text in zip(fleet.names, values, texts[name], strict=True):
             if not value > 0:
-                raise InputError(f"{label} = {decimal_text(Fraction(value))} must be > 0 (A2)")
+                raise InputError(f"gains: {name} of vehicle {vehicle!r} = {text} must be > 0 (A2)")
     return texts
 
 
@@ -240,9 +227,8 @@ def _stated(margin: Fraction | None) -> str | None:
 def _rates(fleet: Fleet, gains: Gains) -> dict[str, Any]:
     """Both rates with their witnesses, null where none was found."""
     # As in the kernel: a mismatch of r or R between controller and vehicle acts as a change of mass and inertia.
-    in_r = [high(v.wheel_radius) / low(v.wheel_radius) for v in fleet.vehicles]
-    in_arm = [high(v.half_track) / low(v.half_track) for v in fleet.vehicles]
-    turning = [a * b for a, b in zip(in_r, in_arm, strict=True)]
+    in_r = [_mismatch(v.wheel_radius) for v in fleet.vehicles]
+    turning = [a * _mismatch(v.half_track) for a, v in zip(in_r, fleet.vehicles, strict=True)]
     number = gains.map(floats)
     inertia = _extremes([v.inertia for v in fleet.vehicles], turning)
     mass = _extremes([v.mass for v in fleet.vehicles], in_r)
@@ -253,11 +239,15 @@ def _rates(fleet: Fleet, gains: Gains) -> dict[str, Any]:
     return {name: rate and {"rate": decimal_text(rate[0]), "vector": rate[1]} for name, rate in found.items()}
 
 
-def _extremes(parameters: list[Fraction | Interval], mismatch: list[Fraction]) -> tuple[Array, Array]:
+def _mismatch(parameter: Fraction | Interval) -> float:
+    return float(parameter.high / parameter.low) if isinstance(parameter, Interval) else 1.0
+
+
+def _extremes(parameters: list[Fraction | Interval], mismatch: list[float]) -> tuple[Array, Array]:
     pairs = list(zip(parameters, mismatch, strict=True))
     return (
-        np.array([float(low(parameter) / ratio) for parameter, ratio in pairs]),
-        np.array([float(high(parameter) * ratio) for parameter, ratio in pairs]),
+        np.array([float(low(parameter)) / ratio for parameter, ratio in pairs]),
+        np.array([float(high(parameter)) * ratio for parameter, ratio in pairs]),
     )
 
 
