@@ -18,6 +18,7 @@ def main() -> None:
     large = ["100000"] if options.large else []
     for module, *arguments in (
         ["integrators", "--plot", str(options.plots / "integrators.svg")],
+        ["rollouts"],
         ["scale", "100", "1000", "10000", *large],
         ["certificate_scale", "1000", "10000", *large],
     ):

@@ -65,19 +65,10 @@ def sparse_ops(graph: Graph, number: type[Any] = float) -> Ops:
     return replace(numpy_ops(), number=number, edge_sum=lambda _graph, f: (incidence @ f.T).T)
 
 
-def turning_ops(graph: Graph, number: type[Any] = float) -> Ops:
-    """`sparse_ops` that find sin and cos of one array after another once each, however often they are asked for.
-
-    An array must not change while it is in use: what was found for it is kept until another one comes.
-    """
-    ops = sparse_ops(graph, number)
-    return replace(ops, sin=_kept(ops.sin), cos=_kept(ops.cos))
-
-
 def flat_ops(graph: Graph) -> Ops:
     """Ops over NumPy float arrays for one large graph: sparse sums at the vehicles, sin and cos by one vectorised tan.
 
-    An array must not change while it is in use, as in `turning_ops`.
+    An array must not change while it is in use: what was found for it is kept until another one comes.
     """
     turn = _kept(_half_angle)
     return replace(sparse_ops(graph), sin=lambda s: turn(s)[0], cos=lambda s: turn(s)[1])

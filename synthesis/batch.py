@@ -8,25 +8,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import fields, replace
-from fractions import Fraction
-from functools import lru_cache
+from functools import cache
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.deadline import Deadline
-from ..models.equations import Plant, State, closed_loop
+from ..models.equations import Plant, State
 from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
-from ..models.graph import Graph
 from ..models.tolerance import Tolerance
-from .columns import Accuracy, Columns, Rate
-from .compiler import At, Compiled, Loop, Single, compiled, pointer, single_ops
-
-Array = NDArray[Any]
+from .closed_loop import ClosedLoop, rows
+from .columns import Accuracy, Array, Columns
+from .compiler import At, Compiled, Loop, Single, compiled, pointer
 
 # Enough to rank: test_what_ranks_is_accurate_enough compares the mean settling time with that at tolerances of 1e-8.
 ACCURACY = Accuracy(1e-2, 1e-3, 2.0)
@@ -36,8 +31,7 @@ BETWEEN = 8  # steps between two looks at what is done
 MAX_STEPS = 100_000  # of one rollout
 SECONDS = 600.0  # of wall clock for all
 PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
-PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
-POSE = 3
+POSE = 3  # the rows of a state that say where a vehicle is
 
 
 class Trial(NamedTuple):
@@ -93,18 +87,16 @@ class _Batch:
         steps: int,
     ) -> None:
         self.found: dict[tuple[int, int], Settling] = {}  # by trial and start
-        self._plant, self._horizon, self._hopeless = plant.map(_single), horizon, hopeless * len(starts)
-        self._most = steps
+        self._horizon, self._most, self._hopeless = horizon, steps, hopeless * len(starts)
         self._width = max(1, VEHICLES // plant.graph.vehicles)
-        self._loops = _closed_loops(replace(trials[0].excitation, frequency=Fraction(1)))
+        self._closed_loop = ClosedLoop(plant, trials[0].excitation)
         self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
         self._starts = _stacked(State._fields, starts)
         self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
         self._hold = np.maximum(PIECE, 2 * math.pi / self._frequency)
-        self._numbers = _rows([getattr(self._plant, name) for name in PLANT], plant.graph.vehicles)
-        reference = self._plant.offset_x + self._plant.leader_x, self._plant.offset_y + self._plant.leader_y
-        self._goal = _rows([*reference, self._plant.leader_theta], plant.graph.vehicles)
-        self._within = _rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
+        reference = plant.offset_x + plant.leader_x, plant.offset_y + plant.leader_y
+        self._goal = rows([*reference, plant.leader_theta], plant.graph.vehicles)
+        self._within = rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
         # Start after start, so that what is hopeless shows before all of its starts are run.
         self._trial = np.tile(np.arange(len(trials)), len(starts))
         self._start = np.repeat(np.arange(len(starts)), len(trials))
@@ -171,41 +163,10 @@ class _Batch:
 
     def _side_by_side(self, t: Array, y: Array, h: Array) -> Columns:
         """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
-        trial, width = self._trial[self._at], len(t)
-        graph, vehicles = self._plant.graph, self._plant.graph.vehicles
-        frequency = self._frequency[trial] / (2 * math.pi)
-        turns, sums = np.empty(width, Single), np.empty((POSE, vehicles, width), Single)
-        shared = {
-            "gains": np.ascontiguousarray(self._gains[..., trial]),
-            "plant": self._numbers,
-            "weight": graph.weight,
-            "leader_weight": graph.leader_weight,
-            "turns": turns,
-            "psi": np.empty(width, Single),
-            "z": np.empty_like(sums),
-            "sums": sums,
-        }
-        pointers = {name: pointer(array) for name, array in shared.items()}
-        ends = [pointer(rows, np.int64) for rows in (graph.tail, graph.head)]
-
-        def problem(state: Array, rates: Array) -> Rate:
-            arrays = {**pointers, "state": pointer(state), "rates": pointer(rates)}
-            excite = self._loops["excitation"].bind(1, width, arrays)
-            place = self._loops["coordinates"].bind(vehicles, width, arrays)
-            couple = self._loops["edges"].bind(graph.edges, width, arrays, ends, vehicles)
-            move = self._loops["vehicles"].bind(vehicles, width, arrays)
-
-            def rate(t: Array) -> None:
-                # Many turns have no digits left in single precision.
-                periods = t * frequency
-                turns[...] = periods - np.floor(periods)
-                sums[...] = 0
-                excite(), place(), couple(), move()
-
-            return rate
-
-        columns = Columns(problem, t, y, h, ACCURACY)
-        self._furthest = np.empty((2, width), Single)
+        trial = self._trial[self._at]
+        gains = np.ascontiguousarray(self._gains[..., trial])
+        columns = Columns(self._closed_loop.problem(gains, self._frequency[trial]), t, y, h, ACCURACY)
+        self._furthest = np.empty((2, len(t)), Single)
         observed = {
             "pose": columns.y[:POSE],
             "new": columns.new[:POSE],
@@ -216,82 +177,13 @@ class _Batch:
             "within": self._within,
             "furthest": self._furthest,
         }
-        self._observe = self._loops["distances"].bind(
-            vehicles, width, {name: pointer(array) for name, array in observed.items()}
-        )
+        pointers = {name: pointer(array) for name, array in observed.items()}
+        self._observe = _distances().bind(y.shape[1], len(t), pointers)
         return columns
 
 
-@lru_cache(maxsize=16)
-def _closed_loops(excitation: Excitation) -> dict[str, Compiled]:
-    """(13)-(14) in loops over the columns, the vehicles and the edges, and how far off the vehicles are."""
-    symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
-    coordinates: list[Any] = []
-    between: list[Any] = []
-    differences, sums = symbol("differences", POSE), symbol("sums", POSE)
-
-    def edge_difference(_: Graph, z: Any) -> Any:
-        coordinates.append(z)
-        return differences[len(coordinates) - 1]
-
-    def edge_sum(_: Graph, f: Any) -> Any:
-        between.append(f)
-        return sums[len(between) - 1]
-
-    ops = replace(single_ops(), edge_difference=edge_difference, edge_sum=edge_sum)
-    weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
-    numbers, gains, state = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
-    nobody = np.zeros(0, dtype=np.int64)
-    plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
-    known = _Known(psi)
-    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains)), known, turns, State(*ca.vertsplit(state)))  # type: ignore[arg-type]
-    first, second = symbol("z_tail", POSE), symbol("z_head", POSE)
-    at_first, at_second = symbol("sums_tail", POSE), symbol("sums_head", POSE)
-    force = ca.substitute(ca.vertcat(*between), differences, first - second)
-    return compiled(
-        {
-            "excitation": Loop(
-                ca.Function("f", [turns], [excitation.value(ops, 2 * math.pi * turns)]),
-                [("turns", column)],
-                [("psi", column)],
-            ),
-            "coordinates": Loop(
-                ca.Function("f", [state, numbers], [ca.vertcat(*coordinates)]),
-                [("state", each), ("plant", item)],
-                [("z", each)],
-            ),
-            "edges": Loop(
-                ca.Function("f", [first, second, weight, at_first, at_second], [at_first + force, at_second - force]),
-                [("z", At.TAIL), ("z", At.HEAD), ("weight", item), ("sums", At.TAIL), ("sums", At.HEAD)],
-                [("sums", At.TAIL), ("sums", At.HEAD)],
-            ),
-            "vehicles": Loop(
-                ca.Function("f", [state, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
-                [
-                    ("state", each),
-                    ("plant", item),
-                    ("leader_weight", item),
-                    ("gains", each),
-                    ("psi", column),
-                    ("sums", each),
-                ],
-                [("rates", each)],
-            ),
-            "distances": _distances(),
-        }
-    )
-
-
-class _Known(NamedTuple):
-    """An excitation whose value is known."""
-
-    psi: Array
-
-    def value(self, *_: object) -> Array:
-        return self.psi
-
-
-def _distances() -> Loop:
+@cache
+def _distances() -> Compiled:
     """The largest squared error over its tolerance, at the end of a step and halfway, by Hermite's cubic."""
     pose, new, slope, ahead, goal, within = (
         ca.SX.sym(name, POSE) for name in ("pose", "new", "slope", "ahead", "goal", "within")
@@ -305,8 +197,8 @@ def _distances() -> Loop:
 
     largest = ca.fmax(ca.vertcat(over(new), over(halfway)), furthest)
     each, item = At.EACH, At.ITEM
-    return Loop(
-        ca.Function("f", [pose, new, slope, ahead, goal, within, h, furthest], [largest]),
+    loop = Loop(
+        ca.Function("distances", [pose, new, slope, ahead, goal, within, h, furthest], [largest]),
         [
             ("pose", each),
             ("new", each),
@@ -319,15 +211,7 @@ def _distances() -> Loop:
         ],
         [("furthest", At.COLUMN)],
     )
-
-
-def _single(values: Any) -> Array:
-    return np.asarray(values, dtype=Single)
-
-
-def _rows(values: Sequence[Any], items: int) -> Array:
-    """Numbers of every item, or one for all, as rows (values, items)."""
-    return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
+    return compiled({"distances": loop})["distances"]
 
 
 def _stacked(names: Sequence[str], items: Sequence[Any]) -> Array:

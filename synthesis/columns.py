@@ -30,7 +30,7 @@ class Accuracy(NamedTuple):
 
 
 class Columns:
-    """Initial value problems side by side."""
+    """Initial value problems side by side: times t and steps h (B,), values y (..., B)."""
 
     def __init__(self, problem: Problem, t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
         """Begin at the times t (B,) and values y (..., B) with steps h (B,), s."""
@@ -93,9 +93,9 @@ def _loops(accuracy: Accuracy) -> dict[str, Compiled]:
         [("new", each), ("h", column), ("slopes", each), ("error", column)],
         [("error", column)],
     )
-    begin = ca.vertcat(ca.if_else(taken, slopes[-1], slopes[0]))
+    first = ca.if_else(taken, slopes[-1], slopes[0])
     loops["accept"] = Loop(
-        ca.Function("accept", [y, new, slopes, taken], [ca.if_else(taken, new, y), begin]),
+        ca.Function("accept", [y, new, slopes, taken], [ca.if_else(taken, new, y), first]),
         [("y", each), ("new", each), ("slopes", each), ("taken", column)],
         [("y", each), ("slopes", each)],
     )

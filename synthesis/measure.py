@@ -23,7 +23,7 @@ from .tails import tail_times
 if TYPE_CHECKING:
     from .design import Candidate, Task
 
-TAIL_POWER = 0.22  # of the tail in the cost: a start that ends its way across the track must not take long
+TAIL_POWER = 0.25  # of the tail in the cost: a start that ends its way across the track must not take long
 SHORTEST = 0.1  # s, as which shorter times count
 TAIL_FROM = 1.0  # m, across the track
 TAIL_TO = 0.5  # of the tolerance

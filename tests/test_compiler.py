@@ -11,8 +11,8 @@ from gaincert.models.equations import State, closed_loop
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.ops import numpy_ops
-from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis.batch import Trial, _Batch
+from gaincert.models.paper import paper_fleet
+from gaincert.synthesis.closed_loop import ClosedLoop
 from gaincert.synthesis.columns import Accuracy, Columns
 from gaincert.synthesis.compiler import At, Loop, Single, compiled, pointer, single_ops
 from gaincert.synthesis.excitation_design import flat_tones
@@ -69,17 +69,10 @@ def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) ->
     spread = np.array([20, 20, 4, 3, 2])[:, None, None]
     starts = random.uniform(-spread, spread, (5, vehicles, columns)).astype(Single)
     times = random.uniform(0, 20, columns)
-    batch = _Batch(
-        plant,
-        [Trial(Gains(*gains), psi)],
-        [State(*starts[..., k]) for k in range(columns)],
-        1.0,
-        Tolerance(),
-        math.inf,
-        1,
-    )
-    batch._at = np.arange(columns)
-    found = batch._side_by_side(times, starts, np.full(columns, 0.05)).slopes[0]
+    loop = ClosedLoop(plant, psi)
+    problem = loop.problem(np.repeat(gains[..., None], columns, axis=2), np.full(columns, float(psi.frequency)))
+    found = np.empty_like(starts)
+    problem(starts, found)(times)
     for k, t in enumerate(times):
         true = closed_loop(
             numpy_ops(), plant, Gains(*gains.astype(float)), psi, t, State(*starts[..., k].astype(float))
@@ -100,6 +93,30 @@ def test_columns_follow_their_equation() -> None:
         columns.step()
     assert columns.t[0] > 10 * columns.t[-1] > 0
     assert columns.y == pytest.approx(np.tile(np.exp(-rates * columns.t), (3, 1)), abs=1e-4)
+
+
+def test_nothing_is_fused() -> None:
+    """A product is rounded before it is added: so all processors agree."""
+    x, y = SYMBOL("x"), SYMBOL("y")
+    a, b = np.random.default_rng(0).uniform(-3, 3, (2, 1, 1000)).astype(Single)
+    assert (applied(ca.Function("f", [x, y], [x * y + y * y * x]), a, b) == a * b + b * b * a).all()
+
+
+def test_ends_of_edges_are_gathered_and_summed_up() -> None:
+    """As the graph verbs of NumPy do it."""
+    at_tail, at_head, sum_at_tail, sum_at_head = (SYMBOL(name) for name in ("z_i", "z_j", "s_i", "s_j"))
+    f = at_tail - at_head
+    function = ca.Function("f", [at_tail, at_head, sum_at_tail, sum_at_head], [sum_at_tail + f, sum_at_head - f])
+    sums = [("sums", At.TAIL), ("sums", At.HEAD)]
+    loop = Loop(function, [("z", At.TAIL), ("z", At.HEAD), *sums], sums)
+    graph = paper_fleet().graph
+    arrays = {name: np.zeros((graph.vehicles, 11), Single) for name in ("z", "sums")}
+    arrays["z"][:] = np.random.default_rng(0).integers(-9, 9, arrays["z"].shape)
+    ends = [pointer(graph.tail, np.int64), pointer(graph.head, np.int64)]
+    pointers = {name: pointer(array) for name, array in arrays.items()}
+    compiled({"loop": loop})["loop"].bind(graph.edges, 11, pointers, ends, graph.vehicles)()
+    ops = numpy_ops()
+    assert (ops.edge_sum(graph, ops.edge_difference(graph, arrays["z"].T)) == arrays["sums"].T).all()
 
 
 def test_arrays_of_another_type_are_refused() -> None:

@@ -27,7 +27,8 @@ from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.models.templates import template_text
 from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis import averaged, batch, convex, program, rates
+from gaincert.synthesis import averaged, convex, program, rates
+from gaincert.synthesis import closed_loop as compiled_loop
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis import search as search_module
 from gaincert.synthesis.conditions import condition_set
@@ -237,8 +238,8 @@ def test_gains_that_the_integrator_gives_up_on_count_as_never_settled(
     def broken(*arguments: Any) -> State:
         return State(*(math.nan * column for column in closed_loop(*arguments)))
 
-    monkeypatch.setattr(batch, "_closed_loops", batch._closed_loops.__wrapped__)
-    monkeypatch.setattr(batch, "closed_loop", broken)
+    monkeypatch.setattr(compiled_loop, "_loops", compiled_loop._loops.__wrapped__)
+    monkeypatch.setattr(compiled_loop, "closed_loop", broken)
     assert set(designed(fleet).settling) == {math.inf}
 
 
