@@ -30,7 +30,7 @@ ROUNDS, REPEATS = 15, 20
 
 
 def measure(fleet: Fleet) -> dict[str, float]:
-    """Nanoseconds for the rates of one vehicle, by both, and how far they are apart."""
+    """Nanoseconds for the rates of one vehicle, by both, and how far they are apart, of the largest rate."""
     vehicles, columns = len(fleet), VEHICLES // len(fleet)
     random, psi = np.random.default_rng(0), flat_tones()
     state = random.normal(0, 4, (len(State._fields), vehicles, columns)).astype(Single)
@@ -49,7 +49,8 @@ def measure(fleet: Fleet) -> dict[str, float]:
 
     assert psi.frequency == Fraction(1)
     fill(times)
-    apart = float(max(np.abs(row.T - other).max() for row, other in zip(rates, plain(), strict=True)))
+    pairs = list(zip(rates, plain(), strict=True))
+    apart = float(max(np.abs(row.T - other).max() / np.abs(other).max() for row, other in pairs))
     runs = [(_seconds(lambda: fill(times)), _seconds(plain)) for _ in range(ROUNDS)]
     compiled, numpy = (1e9 * statistics.median(column) / state[0].size for column in zip(*runs, strict=True))
     return {"compiled_ns": compiled, "numpy_ns": numpy, "ratio": numpy / compiled, "apart": apart}
