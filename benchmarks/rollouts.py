@@ -65,8 +65,12 @@ def _seconds(run: Callable[[], object]) -> float:
 
 if __name__ == "__main__":
     parser = argparse.ArgumentParser(description=__doc__)
-    names = ("paper", "turtlebot3_line", "mixed_ring")
-    parser.add_argument("fleets", nargs="*", type=Path, default=[EXAMPLES / f"{name}.toml" for name in names])
-    for path in parser.parse_args().fleets:
-        found = measure(load(path))
-        print(f"{path.stem}: " + "  ".join(f"{key} {value:.3g}" for key, value in found.items()))
+    examples = ("paper", "turtlebot3_line", "mixed_ring")
+    parser.add_argument("fleets", nargs="*", type=Path, default=[EXAMPLES / f"{name}.toml" for name in examples])
+    fleets = {path.stem: load(path) for path in parser.parse_args().fleets}
+    begin = time.perf_counter()
+    ClosedLoop(next(iter(fleets.values())).plant(), flat_tones())
+    print(f"compiling the closed loop: {time.perf_counter() - begin:.2g} s")
+    for name, fleet in fleets.items():
+        found = measure(fleet)
+        print(f"{name}: " + "  ".join(f"{key} {value:.3g}" for key, value in found.items()))

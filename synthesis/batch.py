@@ -21,7 +21,7 @@ from ..models.gains import GAIN_NAMES, Gains
 from ..models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, rows
 from .columns import Accuracy, Array, Columns
-from .compiler import At, Compiled, Loop, Single, compiled, pointer
+from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
 
 # Enough to rank: test_what_ranks_is_accurate_enough compares the mean settling time with that at tolerances of 1e-8.
 ACCURACY = Accuracy(1e-2, 1e-3, 2.0)
@@ -197,7 +197,7 @@ def _distances() -> Compiled:
 
     largest = ca.fmax(ca.vertcat(over(new), over(halfway)), furthest)
     each, item = At.EACH, At.ITEM
-    loop = Loop(
+    loop = LoopNest(
         ca.Function("distances", [pose, new, slope, ahead, goal, within, h, furthest], [largest]),
         [
             ("pose", each),

@@ -17,7 +17,7 @@ from ..models.excitation import Excitation
 from ..models.gains import GAIN_NAMES, Gains
 from ..models.graph import Graph
 from .columns import Array, Problem, Rate
-from .compiler import At, Compiled, Loop, Single, compiled, pointer, single_ops
+from .compiler import At, Compiled, LoopNest, Single, compiled, pointer, single_ops
 
 PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
 COORDINATES = 3  # x, y and theta, of which the graph compares those of neighbours
@@ -96,27 +96,27 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
     plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
     known = _Known(psi)
     rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains)), known, turns, State(*ca.vertsplit(state)))  # type: ignore[arg-type]
-    first, second = symbol("z_tail", COORDINATES), symbol("z_head", COORDINATES)
-    at_first, at_second = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
-    force = ca.substitute(ca.vertcat(*between), differences, first - second)
+    z_tail, z_head = symbol("z_tail", COORDINATES), symbol("z_head", COORDINATES)
+    at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
+    force = ca.substitute(ca.vertcat(*between), differences, z_tail - z_head)
     return compiled(
         {
-            "excitation": Loop(
+            "excitation": LoopNest(
                 ca.Function("f", [turns], [excitation.value(ops, 2 * math.pi * turns)]),
                 [("turns", column)],
                 [("psi", column)],
             ),
-            "coordinates": Loop(
+            "coordinates": LoopNest(
                 ca.Function("f", [state, numbers], [ca.vertcat(*coordinates)]),
                 [("state", each), ("plant", item)],
                 [("z", each)],
             ),
-            "edges": Loop(
-                ca.Function("f", [first, second, weight, at_first, at_second], [at_first + force, at_second - force]),
+            "edges": LoopNest(
+                ca.Function("f", [z_tail, z_head, weight, at_tail, at_head], [at_tail + force, at_head - force]),
                 [("z", At.TAIL), ("z", At.HEAD), ("weight", item), ("sums", At.TAIL), ("sums", At.HEAD)],
                 [("sums", At.TAIL), ("sums", At.HEAD)],
             ),
-            "vehicles": Loop(
+            "vehicles": LoopNest(
                 ca.Function("f", [state, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
                 [
                     ("state", each),

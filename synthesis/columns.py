@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import RK23
 
-from .compiler import At, Compiled, Loop, Single, compiled, pointer
+from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
 
 Array = NDArray[Any]
 Rate = Callable[[Array], None]  # of the times (B,), s: writes the slopes where it was told to
@@ -86,15 +86,15 @@ def _loops(accuracy: Accuracy) -> dict[str, Compiled]:
     for k, weights in enumerate([*(row[:i] for i, row in enumerate(RK23.A[1:], 1)), RK23.B]):
         ahead = y + h * ca.dot(slopes[: len(weights)], ca.DM(weights))
         reads = [("y", each), ("h", column), ("slopes", each)]
-        loops[f"stage{k}"] = Loop(ca.Function("stage", [y, h, slopes], [ahead]), reads, [("new", each)])
+        loops[f"stage{k}"] = LoopNest(ca.Function("stage", [y, h, slopes], [ahead]), reads, [("new", each)])
     wrong = h * ca.dot(slopes, ca.DM(RK23.E)) / (ca.fabs(new) * accuracy.relative + accuracy.absolute)
-    loops["judge"] = Loop(
+    loops["judge"] = LoopNest(
         ca.Function("judge", [new, h, slopes, error], [error + wrong * wrong]),
         [("new", each), ("h", column), ("slopes", each), ("error", column)],
         [("error", column)],
     )
     first = ca.if_else(taken, slopes[-1], slopes[0])
-    loops["accept"] = Loop(
+    loops["accept"] = LoopNest(
         ca.Function("accept", [y, new, slopes, taken], [ca.if_else(taken, new, y), first]),
         [("y", each), ("new", each), ("slopes", each), ("taken", column)],
         [("y", each), ("slopes", each)],

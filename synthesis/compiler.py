@@ -32,14 +32,14 @@ class At(Enum):
     EACH = "(items, columns)"
     ITEM = "(items,)"
     COLUMN = "(columns,)"
-    TAIL = "(others, columns), in the row that is the first end of the item"
-    HEAD = "(others, columns), in the row that is its second end"
+    TAIL = "(others, columns), in the row that is the tail of the item"
+    HEAD = "(others, columns), in the row that is its head"
 
 
 ENDS = At.TAIL, At.HEAD
 
 
-class Loop(NamedTuple):
+class LoopNest(NamedTuple):
     """A function of vectors and the arrays, by name, that its arguments are read from and its results written to."""
 
     function: ca.Function
@@ -66,7 +66,7 @@ def pointer(array: Array, kind: Any = Single) -> Pointer:
 class Compiled:
     """A loop that has been compiled."""
 
-    def __init__(self, loop: Loop, call: Callable[..., None]) -> None:
+    def __init__(self, loop: LoopNest, call: Callable[..., None]) -> None:
         self._names, self._call = _arrays(loop), call
 
     def bind(
@@ -85,7 +85,7 @@ class Compiled:
         return partial(self._call, items, columns, others, *ends, *(arrays[name] for name in self._names))
 
 
-def compiled(loops: Mapping[str, Loop]) -> dict[str, Compiled]:
+def compiled(loops: Mapping[str, LoopNest]) -> dict[str, Compiled]:
     """The loops, ready to run."""
     module = ir.Module("loops")
     module.triple = llvm.get_default_triple()
@@ -93,7 +93,7 @@ def compiled(loops: Mapping[str, Loop]) -> dict[str, Compiled]:
         _write(module, name, loop)
     engine, found = _engine(str(module)), {}
     for name, loop in loops.items():
-        kinds = [ctypes.c_int64] * 3 + [ctypes.c_void_p] * (len(ENDS) + len(_arrays(loop)))
+        kinds = [ctypes.c_int64] * 3 + [Pointer] * (len(ENDS) + len(_arrays(loop)))
         call = ctypes.CFUNCTYPE(None, *kinds)(engine.get_function_address(name))
         call.engine = engine  # type: ignore[attr-defined]  # what it runs is there as long as this is
         found[name] = Compiled(loop, call)
@@ -139,11 +139,11 @@ def _polynomial(s: Array, coefficients: Sequence[float]) -> Array:
     return value
 
 
-def _arrays(loop: Loop) -> list[str]:
+def _arrays(loop: LoopNest) -> list[str]:
     return list(dict.fromkeys(name for name, _ in (*loop.reads, *loop.writes)))
 
 
-def _write(module: ir.Module, name: str, loop: Loop) -> None:
+def _write(module: ir.Module, name: str, loop: LoopNest) -> None:
     """The LLVM function of a loop: for every item, for every column."""
     arrays = _arrays(loop)
     kinds = [INDEX] * 3 + [INDEX.as_pointer()] * len(ENDS) + [REAL.as_pointer()] * len(arrays)
@@ -155,7 +155,7 @@ def _write(module: ir.Module, name: str, loop: Loop) -> None:
     builder = ir.IRBuilder(function.append_basic_block())
 
     def over_columns(item: ir.Value, rows: dict[At, ir.Value], column: ir.Value) -> None:
-        def pointer(array: str, at: At, k: int) -> ir.Value:
+        def address(array: str, at: At, k: int) -> ir.Value:
             if at in rows:
                 size, place = builder.mul(others if at in ENDS else items, columns), builder.add(rows[at], column)
             else:
@@ -163,10 +163,10 @@ def _write(module: ir.Module, name: str, loop: Loop) -> None:
             return builder.gep(pointers[array], [builder.add(builder.mul(size, ir.Constant(INDEX, k)), place)])
 
         def read(argument: int, k: int) -> ir.Value:
-            return builder.load(pointer(*loop.reads[argument], k))
+            return builder.load(address(*loop.reads[argument], k))
 
         for (result, k), value in _results(builder, loop.function, read):
-            builder.store(value, pointer(*loop.writes[result], k))
+            builder.store(value, address(*loop.writes[result], k))
 
     def over_items(item: ir.Value) -> None:
         rows = {At.EACH: builder.mul(item, columns)}

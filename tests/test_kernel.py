@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import gc
 import hashlib
 import io
 import json
@@ -1082,3 +1083,17 @@ def test_its_exit_code_is_its_verdict(tmp_path: Path, capsys: pytest.CaptureFixt
         out, err = capsys.readouterr()
         assert out.startswith(said) and bool(out) == bool(said)
         assert err.startswith(refused) and bool(err) == bool(refused)
+
+
+@pytest.mark.parametrize("collecting", [True, False])
+def test_garbage_is_collected_again_afterwards(collecting: bool) -> None:
+    """As before, also where the kernel refuses the file."""
+    try:
+        (gc.enable if collecting else gc.disable)()
+        with kernel.no_collections():
+            assert not gc.isenabled()
+        with pytest.raises(kernel.UnreadableError):
+            kernel.check_data(b"{")
+        assert gc.isenabled() == collecting
+    finally:
+        gc.enable()

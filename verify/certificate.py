@@ -186,13 +186,11 @@ def _gain_texts(fleet: Fleet, gains: Gains) -> dict[str, list[str]]:
         values = getattr(gains, name)
         if len(values) != len(fleet):
             raise InputError(f"gains: {name} has {len(values)} entries for {len(fleet)} vehicles; give one per vehicle")
-        texts[name] = [
-            _decimal(value, f"gains: {name} of vehicle {vehicle!r}")
-            for vehicle, value in zip(fleet.names, values, strict=True)
-        ]
-        for vehicle, value, text in zip(fleet.names, values, texts[name], strict=True):
+        labels = [f"gains: {name} of vehicle {vehicle!r}" for vehicle in fleet.names]
+        texts[name] = [_decimal(value, label) for label, value in zip(labels, values, strict=True)]
+        for label, value in zip(labels, values, strict=True):
             if not value > 0:
-                raise InputError(f"gains: {name} of vehicle {vehicle!r} = {text} must be > 0 (A2)")
+                raise InputError(f"{label} = {decimal_text(Fraction(value))} must be > 0 (A2)")
     return texts
 
 

@@ -634,7 +634,7 @@ def theorem(claims: Claims) -> tuple[str, ...]:
 
 @contextmanager
 def no_collections() -> Iterator[None]:
-    """Fractions form no cycles; looking for some among millions of them would take a fifth of the time."""
+    """Fractions form no cycles; looking for some among millions of them would take a sixth of the time."""
     collecting = gc.isenabled()
     gc.disable()
     try:
