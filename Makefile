@@ -24,8 +24,8 @@ bench: $(VENV)/test
 
 fuzz: $(VENV)/test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]"
-	GAINCERT_FUZZ_SECONDS=120 $(BIN)/python -m pytest tests/test_fuzz.py
-	$(BIN)/python tests/fuzz_loaders.py --seconds 60
+	GAINCERT_FUZZ_SECONDS=120 $(BIN)/python -m pytest tests/campaigns/test_fuzz.py
+	$(BIN)/python tests/campaigns/fuzz_loaders.py --seconds 60
 
 docs: $(VENV)/docs
 	mkdir -p build/types && ln -sfn ../.. build/types/gaincert

@@ -5,20 +5,21 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-__version__ = "0.1.0"
+__version__ = "0.2.0"
 
 _HOMES = {
+    "load_fleet": "models.files.fleet_file",
     "Fleet": "models.fleet",
-    "Vehicle": "models.fleet",
+    "Vehicle": "models.fleet_tables",
     "Excitation": "models.excitation",
     "Gains": "models.gains",
     "design": "synthesis.design",
-    "certify": "verify.certificate",
-    "Certificate": "verify.certificate",
+    "certify": "verify.certificates.certify",
+    "Certificate": "verify.certificates.certify",
     "prove": "verify.proof",
-    "simulate": "verify.simulate",
-    "write_report": "reports.html",
-    "export": "reports.exports",
+    "simulate": "verify.simulation.simulate",
+    "write_report": "reports.html.report",
+    "export": "reports.export.export",
 }
 
 __all__ = [*_HOMES, "__version__"]

@@ -12,7 +12,8 @@ from typing import Annotated
 import typer
 
 from .console import Printer, flush
-from .jobs import (
+from .models.errors import GaincertError, one_line
+from .workflows import (
     certify_gains,
     compare_designs,
     design_gains,
@@ -29,7 +30,6 @@ from .jobs import (
     validate_starts,
     write_design,
 )
-from .models.errors import GaincertError, one_line
 
 app = typer.Typer(
     name="gaincert",
@@ -162,8 +162,8 @@ def init(
 ) -> None:
     """Write a fleet file to start from."""
     from .models.errors import InputError
-    from .models.files import write_text
-    from .models.templates import template_text
+    from .models.files.templates import template_text
+    from .models.files.text import write_text
 
     printer = Printer(json, quiet, verbose)
     if fleet_path.exists():
@@ -176,7 +176,7 @@ def init(
 @app.command()
 def check(fleet_path: FleetPath, json: Json = False, quiet: Quiet = False, verbose: Verbose = False) -> None:
     """Read a fleet file and say what is in it, or all that is wrong with it."""
-    from .reports.fleet_summary import fleet_summary
+    from .reports.tables.fleet_summary import fleet_summary
 
     printer = Printer(json, quiet, verbose)
     summary = fleet_summary(read_fleet(fleet_path))
@@ -278,7 +278,7 @@ def verify(
     verbose: Verbose = False,
 ) -> None:
     """Check a certificate again, with the trusted kernel alone."""
-    from .verify.certificate import verify as verify_file
+    from .verify.certificates.certify import verify as verify_file
 
     printer = Printer(json, quiet, verbose)
     verdict = verify_file(certificate, None if fleet is None else read_fleet(fleet))
@@ -420,12 +420,12 @@ def report(
     verbose: Verbose = False,
 ) -> None:
     """Gather all that lies in a folder into one HTML report."""
-    from .reports.html import write_report
+    from .reports.html.report import write_report
 
     printer = Printer(json, quiet, verbose)
     document = {"report": str(write_report(folder, fleet))}
     if animate is not None:
-        from .reports.movie import write_movie
+        from .reports.figures.movie import write_movie
 
         with printer.progress() as progress:
             document["animation"] = str(write_movie(folder, animate.value, fleet, progress))
@@ -443,7 +443,7 @@ def export(
     verbose: Verbose = False,
 ) -> None:
     """Write the gains for robots (ros2, c) and for papers (latex, csv, markdown)."""
-    from .reports.exports import export as export_files
+    from .reports.export.export import export as export_files
 
     printer = Printer(json, quiet, verbose)
     paths = [str(path) for path in export_files(folder, kind.value, fleet)]
@@ -470,8 +470,8 @@ def run(
     verbose: Verbose = False,
 ) -> None:
     """Design, certify, prove, simulate and report: the whole job."""
-    from .models.gains_file import GainsFile
-    from .reports.html import write_report
+    from .models.files.gains_file import GainsFile
+    from .reports.html.report import write_report
 
     printer = Printer(json, quiet, verbose)
     fleet = read_fleet(fleet_path)

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gaincert.models.algebra.ops import numpy_ops
 from gaincert.models.equations import State, closed_loop
-from gaincert.models.ops import numpy_ops
-from gaincert.verify.loop import Loop
+from gaincert.verify.simulation.loop import Loop
 
 ARRAYS = ("weight", "leader_weight", "m", "inertia", "offset_x", "offset_y")
 GAINS = ("p_v", "d_v", "p_omega", "d_omega", "k_alpha")

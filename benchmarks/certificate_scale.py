@@ -18,9 +18,10 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from gaincert.models.fleet import Fleet, column
+from gaincert.models.arrays import column
+from gaincert.models.fleet import Fleet
 from gaincert.models.gains import Gains
-from gaincert.verify.certificate import certify
+from gaincert.verify.certificates.certify import certify
 
 KINDS = [  # mass kg, inertia kg m^2, half track m, wheel radius m, torque limit N m
     ("10", "3", "0.3", "0.05", "55"),

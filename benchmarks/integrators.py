@@ -19,13 +19,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from gaincert.models.algebra.ops import numpy_ops, sympy_ops
 from gaincert.models.equations import Plant, State, closed_loop
 from gaincert.models.gains import Gains
-from gaincert.models.ops import numpy_ops, sympy_ops
 from gaincert.models.paper import paper_fleet, paper_gains
-from gaincert.verify.integrators import Adams, Cvodes, Dop853
-from gaincert.verify.loop import Loop
-from gaincert.verify.scale import Dopri5
+from gaincert.verify.simulation.integrators import Adams, Cvodes, Dop853
+from gaincert.verify.simulation.large_fleet import Dopri5
+from gaincert.verify.simulation.loop import Loop
 
 from benchmarks.c_limit import Compiled, compile_library
 

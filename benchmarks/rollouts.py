@@ -15,15 +15,15 @@ from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
+from gaincert.models.algebra.ops import sparse_ops
 from gaincert.models.equations import State, closed_loop
+from gaincert.models.files.fleet_file import load_fleet as load
 from gaincert.models.fleet import Fleet
-from gaincert.models.fleet_file import load
 from gaincert.models.gains import GAIN_NAMES, Gains
-from gaincert.models.ops import sparse_ops
-from gaincert.synthesis.batch import VEHICLES
-from gaincert.synthesis.closed_loop import ClosedLoop
-from gaincert.synthesis.compiler import Single
-from gaincert.synthesis.excitation_design import flat_tones
+from gaincert.synthesis.programs.excitation import flat_tones
+from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
+from gaincert.synthesis.rollouts.compiler import Single
+from gaincert.synthesis.rollouts.settling import VEHICLES
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 ROUNDS, REPEATS = 15, 20

@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 from gaincert.models.starts import random_starts
-from gaincert.verify.integrators import Adams
-from gaincert.verify.loop import Loop
-from gaincert.verify.scale import Dopri5
+from gaincert.verify.simulation.integrators import Adams
+from gaincert.verify.simulation.large_fleet import Dopri5
+from gaincert.verify.simulation.loop import Loop
 
 from benchmarks.c_limit import Compiled, compile_library
 from benchmarks.certificate_scale import large_fleet, scaled_gains

@@ -5,17 +5,17 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
-from gaincert import Fleet, certify, design, export, prove, simulate, write_report
+from gaincert import certify, design, export, load_fleet, prove, simulate, write_report
+from gaincert.models.conditions import exact_numbers, torque_bound
 from gaincert.models.errors import InputError
-from gaincert.models.files import write_json
-from gaincert.models.limits import exact_numbers, torque_bound
-from gaincert.reports.deployment import write_fleet_copy
-from gaincert.verify.simulate import summarize
+from gaincert.models.files.text import write_json
+from gaincert.reports.export.deployment import write_fleet_copy
+from gaincert.verify.simulation.simulate import summarize
 
 
 def tour(folder: Path) -> None:
     """Design, certify, simulate, prove, report and export the line of TurtleBots."""
-    fleet = Fleet.load(Path(__file__).parent / "turtlebot3_line.toml")
+    fleet = load_fleet(Path(__file__).parent / "turtlebot3_line.toml")
     print(f"{fleet.name}: {len(fleet)} vehicles, {fleet.graph.edges} links, {fleet.digest[:14]}...")
 
     made = design(fleet, conditions="corrected")
@@ -26,7 +26,7 @@ def tour(folder: Path) -> None:
     certificate.write(folder / "certificate.json")  # raises InputError where it is not valid
     print(*certificate.facts, sep="\n")
 
-    bounds = torque_bound(exact_numbers(), fleet.limits(made.excitation), made.gains)
+    bounds = torque_bound(exact_numbers(), fleet.condition_data(made.excitation), made.gains)
     print("torque bounds (16*) / N m:", ", ".join(f"{float(bound):.4g}" for bound in bounds))
 
     run = simulate(fleet, made.gains, made.excitation, horizon=60.0)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import importlib
 from typing import Any
 
-_HOMES = {"Fleet": "fleet", "Vehicle": "fleet", "Excitation": "excitation", "Gains": "gains", "Graph": "graph"}
+_HOMES = {"Fleet": "fleet", "Vehicle": "fleet_tables", "Excitation": "excitation", "Gains": "gains", "Graph": "graph"}
 
 __all__ = list(_HOMES)
 

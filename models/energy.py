@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from .algebra.ops import Ops
+from .arrays import Array
 from .equations import Plant, State, along, excitation_input, position_error
 from .gains import Gains
 from .graph import Graph
-from .ops import Array, Ops
 
 
 def potential(ops: Ops, graph: Graph, z: Array, z_leader: Array) -> Array:

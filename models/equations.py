@@ -10,10 +10,11 @@ from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import NamedTuple
 
+from .algebra.ops import Ops
+from .arrays import Array
 from .excitation import Excitation
 from .gains import Gains
 from .graph import Graph
-from .ops import Array, Ops
 
 
 class State(NamedTuple):

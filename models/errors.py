@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import difflib
+from collections.abc import Iterable
+from typing import Any
+
 
 class GaincertError(Exception):
     """An expected failure: one message that names the thing, its value, what is required and what to do."""
@@ -40,3 +44,9 @@ def last_line(error: Exception) -> str:
     """What an error of another library says, in one line: it ends with the reason."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     return lines[-1][:200] if lines else "no message"
+
+
+def did_you_mean(word: Any, known: Iterable[str]) -> str:
+    """A likely word among the known ones, in brackets; nothing where none is near."""
+    close = difflib.get_close_matches(str(word), list(known)[:2000], 1)
+    return f" (did you mean {close[0]!r}?)" if close else ""

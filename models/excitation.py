@@ -10,8 +10,9 @@ from functools import cached_property
 from heapq import heapify, heappop, heappush
 from typing import Any
 
+from .algebra.ops import Ops
+from .arrays import Array
 from .numbers import decimal_text
-from .ops import Array, Ops
 
 CELLS = 20_000  # of the branch and bound at most
 BOUND_EXCESS = Fraction(1, 10**9)  # a certified bound exceeds the supremum by at most this fraction of it

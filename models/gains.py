@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, fields
 
-from .ops import Array
+from .arrays import Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .ops import Array
+from .arrays import Array
 
 Indices = NDArray[np.int64]
 

@@ -6,8 +6,9 @@ from fractions import Fraction
 from functools import cache
 from typing import Any
 
+from .arrays import column
 from .excitation import Excitation
-from .fleet import Fleet, column
+from .fleet import Fleet
 from .gains import Gains
 
 # Table 1: mass kg, inertia kg m^2, half track m, wheel radius m, torque limit N m

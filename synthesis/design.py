@@ -11,21 +11,22 @@ from typing import Any
 
 import numpy as np
 
+from ..models.arrays import floats
+from ..models.conditions import ConditionData, ConditionSet, Inequality, condition_set, exact_numbers
 from ..models.equations import Plant, State
 from ..models.errors import InfeasibleError, InputError, UndecidedError
 from ..models.excitation import Excitation
-from ..models.fleet import Fleet, Links, floats
+from ..models.fleet import Fleet
+from ..models.fleet_tables import Links
 from ..models.gains import GAIN_NAMES, Gains
-from ..models.limits import Inequality, Limits, exact_numbers
 from ..models.numbers import decimal_text
 from ..models.starts import Draw, random_starts, scale
 from ..models.tolerance import Tolerance
-from .conditions import ConditionSet, condition_set
-from .excitation_design import at_frequency, flat_tones
-from .measure import answering, cost, measure_all
+from .cost import answering, cost, measure_all
+from .programs.excitation import at_frequency, flat_tones
 from .rates import Rates, rates
 from .rounding import decimal_places, rounded
-from .structure import Scalars, structured, within
+from .scaled_gains import Scalars, structured, within
 
 RANKING_STARTS = 6  # random starts beside the fleet's own on which candidates are ranked
 FINAL_STARTS = 40  # the same, once the search has been
@@ -75,7 +76,9 @@ class Design:
 
     def inequalities(self) -> list[Inequality]:
         """The conditions, exact, one entry per vehicle; all hold."""
-        return self.conditions.inequalities(exact_numbers(), self.used_fleet.limits(self.excitation), self.gains)
+        return self.conditions.inequalities(
+            exact_numbers(), self.used_fleet.condition_data(self.excitation), self.gains
+        )
 
     @property
     def used_fleet(self) -> Fleet:
@@ -92,8 +95,8 @@ class Task:
     conditions: ConditionSet
     excitation: Excitation  # at its own frequency; a designed one at 1 rad/s
     excitation_designed: bool
-    exact: Limits
-    limits: Limits  # of floats
+    exact: ConditionData
+    limits: ConditionData  # of floats
     tolerance: Tolerance
     digits: int
     seed: int
@@ -175,7 +178,7 @@ def design(
     candidates, horizon = _candidates(task, executor)
     searched = mode == "best" or len(fleet) <= SEARCHED_VEHICLES
     if searched:
-        from .search import search
+        from .search.search import search
 
         limit = time_limit if mode == "best" else FAST_SECONDS
         candidates = search(task, candidates, horizon, limit, mode == "fast", executor, progress)
@@ -229,7 +232,7 @@ def prepare(
     _check_starts(fleet)
     designed = excitation == "designed" or fleet.psi is None
     psi = flat_tones() if designed or fleet.psi is None else fleet.psi
-    exact = fleet.limits(psi)
+    exact = fleet.condition_data(psi)
     return Task(
         fleet,
         fleet.plant(),
@@ -250,7 +253,7 @@ def _weights(fleet: Fleet, weights: str) -> Links | None:
         raise InputError(f"weights = {weights!r} is not known; choose given or designed")
     if weights == "given":
         return None
-    from .weight_design import design_weights
+    from .programs.weights import design_weights
 
     return design_weights(fleet)
 
@@ -277,8 +280,8 @@ def _candidates(task: Task, executor: Executor | None = None) -> tuple[list[Cand
 
     All are solved in other processes where there is an executor.
     """
-    from .averaged import local_optima
-    from .convex import convex_designs
+    from .programs.averaged import local_optima
+    from .programs.channels import convex_designs
 
     found: list[Candidate] = []
     predicted = []

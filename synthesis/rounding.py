@@ -9,14 +9,13 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..models.arrays import Array
+from ..models.conditions import ConditionData, ConditionSet, Inequality, exact_numbers
 from ..models.errors import UndecidedError
 from ..models.gains import Gains
-from ..models.limits import Inequality, Limits, exact_numbers
-from ..models.ops import Array
-from .conditions import ConditionSet
 
 
-def rounded(conditions: ConditionSet, limits: Limits, gains: Gains, digits: int) -> Gains:
+def rounded(conditions: ConditionSet, limits: ConditionData, gains: Gains, digits: int) -> Gains:
     """Exact gains of at most `digits` significant digits that meet the conditions, from float gains that nearly do.
 
     All gains are rounded down, which the torque limit survives. Rounding a damping gain down may break a homogeneous

@@ -8,11 +8,11 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from gaincert.models.algebra.ops import unbounded
 from gaincert.models.equations import State
 from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
-from gaincert.models.ops import unbounded
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 
 

@@ -7,13 +7,14 @@ import sys
 from fractions import Fraction
 from pathlib import Path
 
-from gaincert.models.fleet import Fleet, Links
+from gaincert.models.files.fleet_file import load_fleet
+from gaincert.models.fleet_tables import Links
 from gaincert.synthesis.modes import modes
-from gaincert.synthesis.weight_design import design_weights
+from gaincert.synthesis.programs.weights import design_weights
 
 RING = Path(__file__).parent.parent / "mixed_ring.toml"
 
-fleet = Fleet.load(Path(sys.argv[1]) if len(sys.argv) > 1 else RING)
+fleet = load_fleet(Path(sys.argv[1]) if len(sys.argv) > 1 else RING)
 
 
 def slowest(links: Links) -> float:

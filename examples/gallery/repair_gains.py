@@ -3,13 +3,13 @@
 from dataclasses import replace
 from pathlib import Path
 
-from gaincert.models.fleet import Fleet
-from gaincert.models.gains_file import load_gains
-from gaincert.verify.certificate import certify
+from gaincert.models.files.fleet_file import load_fleet
+from gaincert.models.files.gains_file import load_gains
+from gaincert.verify.certificates.certify import certify
 
 EXAMPLES = Path(__file__).parent.parent
 
-fleet = Fleet.load(EXAMPLES / "paper.toml")
+fleet = load_fleet(EXAMPLES / "paper.toml")
 chosen = load_gains(EXAMPLES / "paper_gains.toml", fleet)
 print("the paper's gains:", certify(fleet, chosen.excitation, chosen.gains, "paper").verdict.valid)
 

@@ -5,14 +5,15 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
-from gaincert.models.fleet import Fleet, floats
-from gaincert.models.gains_file import load_gains
+from gaincert.models.arrays import floats
+from gaincert.models.files.fleet_file import load_fleet
+from gaincert.models.files.gains_file import load_gains
 from gaincert.synthesis.rates import CrossTrack
-from gaincert.verify.simulate import simulate
+from gaincert.verify.simulation.simulate import simulate
 from scipy.integrate import solve_ivp
 
 EXAMPLES = Path(__file__).parent.parent
-fleet = Fleet.load(EXAMPLES / "paper.toml")
+fleet = load_fleet(EXAMPLES / "paper.toml")
 paper = load_gains(EXAMPLES / "paper_gains.toml", fleet)
 plant = fleet.plant()
 

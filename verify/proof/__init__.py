@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ...models.fleet import Fleet
     from ...models.gains import Gains
-    from ..claim import Claim
+    from .claim import Claim
 
 
 def prove(fleet: Fleet | None = None, gains: Gains | None = None) -> list[Claim]:

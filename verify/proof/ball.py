@@ -15,9 +15,9 @@ import numpy as np
 import sympy as sp
 from flint import arb, ctx, fmpq
 
-from ...models.fleet import column
-from ...models.log_cosh import log_cosh
-from ...models.ops import Array, Ops, numpy_ops
+from ...models.algebra.log_cosh import log_cosh
+from ...models.algebra.ops import Ops, numpy_ops
+from ...models.arrays import Array, column
 
 Ball = Any  # a flint.arb
 BITS = 256  # working precision: witnesses carry about 70 digits

@@ -6,14 +6,14 @@ from typing import Any
 
 import sympy as sp
 
-from ..claim import Claim
-from .build import lemma
+from .claim import Claim
 from .energies import modified_rate, vehicles
+from .generic_fleet import generic, parameter, symbol
 from .names import Names, first, second
 from .normal_form import Expr, majorant
 from .saturation import error_ranges, folded_inputs, psi_bar
-from .scene import generic, parameter, symbol
 from .steps import Cited, Identity, NonNegative, Step
+from .verdicts import lemma
 
 
 def claims() -> list[Claim]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ..claim import Claim, Status
+from .claim import Claim, Status
 
 SOUND = (Status.PROVED, Status.CITED)
 

@@ -7,7 +7,6 @@ from collections.abc import Iterable
 from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.paper import paper_fleet, paper_gains
-from ..claim import Claim, Status
 from . import (
     bounds,
     energies,
@@ -22,9 +21,10 @@ from . import (
     stability,
     windows,
 )
-from .build import printed
 from .chain import beneath, resolve
+from .claim import Claim, Status
 from .steps import Check
+from .verdicts import printed
 
 _PARTS = (
     printed_model,

@@ -12,15 +12,15 @@ from functools import cache
 import sympy as sp
 
 from ...models import energy
-from ...models.fleet import column
-from ...models.log_cosh import log_cosh
-from ...models.ops import sympy_ops
-from ..claim import Claim
-from .build import lemma
+from ...models.algebra.log_cosh import log_cosh
+from ...models.algebra.ops import sympy_ops
+from ...models.arrays import column
+from .claim import Claim
+from .generic_fleet import Scene, concrete, generic, parameter, symbol
 from .names import Names, first
 from .normal_form import Expr, normal_form
-from .scene import Scene, concrete, generic, parameter, symbol
 from .steps import Check, Identity, NonNegative
+from .verdicts import lemma
 
 Form = Callable[[Scene], Expr]
 

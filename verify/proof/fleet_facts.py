@@ -8,16 +8,16 @@ from fractions import Fraction
 import numpy as np
 from flint import arb
 
-from ...models import limits
+from ...models import conditions
 from ...models.excitation import Excitation
 from ...models.fleet import Fleet
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.graph import Graph
-from ..claim import Claim
 from .ball import ball, evaluate, text
-from .build import lemma
+from .claim import Claim
 from .excitation_facts import rate_power, times_power_of_pi, variance
 from .steps import Check, Step
+from .verdicts import lemma
 from .windows import nu_bound
 from .witness import Instance
 
@@ -150,7 +150,7 @@ def torques(fleet: Fleet, gains: Gains, psi: Excitation) -> Claim:
     """(d) for these gains: T_i against the limits; a state that breaks one where (16*) fails."""
 
     def compute() -> tuple[bool, str]:
-        found = limits.torque(limits.exact_numbers(), fleet.limits(psi), gains)
+        found = conditions.condition_16_star(conditions.exact_numbers(), fleet.condition_data(psi), gains)
         broken = np.flatnonzero(~np.asarray(found.holds, dtype=bool))
         if not len(broken):
             most = max(float(a / b) for a, b in zip(found.small, found.large, strict=True))
@@ -165,7 +165,7 @@ def torques(fleet: Fleet, gains: Gains, psi: Excitation) -> Claim:
     )
 
 
-def _torque_witness(data: Instance, i: int, found: limits.Inequality) -> tuple[bool, str]:
+def _torque_witness(data: Instance, i: int, found: conditions.Inequality) -> tuple[bool, str]:
     peak = data.psi_at(_peak_time(data.psi))
     for wheel, side in ((0, "left"), (1, "right")):
         reached = data.torques(peak, data.worst_state(i, wheel, peak))[wheel][i]
@@ -184,7 +184,7 @@ def _torque_witness(data: Instance, i: int, found: limits.Inequality) -> tuple[b
 
 def _peak_time(psi: Excitation) -> arb:
     t = np.linspace(0, 2 * np.pi / float(psi.frequency), 20001)
-    from ...models.ops import numpy_ops
+    from ...models.algebra.ops import numpy_ops
 
     return ball(Fraction(float(t[np.argmax(np.abs(psi.value(numpy_ops(), t)))])))
 
@@ -193,11 +193,11 @@ def speed_limits(fleet: Fleet, gains: Gains, psi: Excitation) -> Claim:
     """(f) for these gains: which vehicles have a certified turn rate and speed, and the requested limits."""
 
     def compute() -> tuple[bool, str]:
-        numbers, room = limits.exact_numbers(), fleet.limits(psi)
-        turning = limits.turning_bound(numbers, room, gains) / gains.d_omega
-        pulling = limits.pulling_bound(numbers, room, gains) / gains.d_v
-        asked = all(limits.turn_rate(numbers, room, gains).holds[room.turn_rate != np.inf]) and all(
-            limits.speed(numbers, room, gains).holds[room.speed != np.inf]
+        numbers, room = conditions.exact_numbers(), fleet.condition_data(psi)
+        turning = conditions.turning_bound(numbers, room, gains) / gains.d_omega
+        pulling = conditions.pulling_bound(numbers, room, gains) / gains.d_v
+        asked = all(conditions.turn_rate_condition(numbers, room, gains).holds[room.turn_rate != np.inf]) and all(
+            conditions.speed_condition(numbers, room, gains).holds[room.speed != np.inf]
         )
         return bool(asked), f"turn rate: {_levels(turning, 'rad/s')}; speed: {_levels(pulling, 'm/s')}"
 

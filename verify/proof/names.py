@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy as sp
 
+from .generic_fleet import Scene, generic, parameter, symbol
 from .normal_form import Expr
-from .scene import Scene, generic, parameter, symbol
 
 
 @dataclass(frozen=True)

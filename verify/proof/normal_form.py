@@ -11,7 +11,7 @@ from typing import Any
 
 import sympy as sp
 
-from ...models.log_cosh import log_cosh
+from ...models.algebra.log_cosh import log_cosh
 
 Expr = Any  # a SymPy expression
 

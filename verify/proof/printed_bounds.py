@@ -9,18 +9,15 @@ from itertools import chain, combinations
 import sympy as sp
 from flint import arb
 
-from ..claim import Claim
 from .ball import ball, text
-from .build import inference, printed
+from .claim import Claim
+from .generic_fleet import parameter, symbol
 from .names import first
 from .normal_form import Expr
 from .printed_saturation import condition_holds
-from .saturation import (
-    damping_letters,
-    error_ranges,
-)
-from .scene import parameter, symbol
+from .saturation import damping_letters, error_ranges
 from .steps import Check, Identity, NonNegative
+from .verdicts import inference, printed
 from .witness import Instance, paper, paper_peak
 
 TANH_1 = sp.tanh(1)
@@ -159,7 +156,9 @@ def any_alpha() -> Claim:
         "under (15), (13)-(14) is uniformly globally bounded for every bounded alpha_i, |alpha_i| <= c_i",
         (
             Check("c_1 > p_omega1 D_1 on the paper's data", _drift_on_paper, "ball arithmetic"),
-            Check("(15) holds on the paper's data", lambda: condition_holds("damping"), "exact rational arithmetic"),
+            Check(
+                "(15) holds on the paper's data", lambda: condition_holds("condition_15"), "exact rational arithmetic"
+            ),
             NonNegative("I omega' > 0 where tanh omega = (c - p D)/d and alpha = c, since e_theta < D", outward),
         ),
         "paper's gains, alpha_1 = c_1 constant: {omega_1 >= atanh((c_1 - p_1 D_1)/d_1)} is invariant, so theta_1 grows "

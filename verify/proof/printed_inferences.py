@@ -7,14 +7,14 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ..claim import Claim
 from .ball import evaluate
-from .build import inference, printed
+from .claim import Claim
 from .energies import rotational
+from .generic_fleet import generic, parameter, symbol
 from .names import first, second
 from .normal_form import Expr, majorant, normal_form
-from .scene import generic, parameter, symbol
 from .steps import Check, Identity, NonNegative
+from .verdicts import inference, printed
 
 
 def claims() -> list[Claim]:

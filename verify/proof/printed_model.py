@@ -11,13 +11,13 @@ from typing import Any
 import sympy as sp
 
 from ...models import equations
-from ...models.ops import sympy_ops
-from ..claim import Claim
-from .build import printed
+from ...models.algebra.ops import sympy_ops
+from .claim import Claim
+from .generic_fleet import Scene, generic, generic_physical, parameter, symbol
 from .names import first, second
 from .normal_form import Expr
-from .scene import Scene, generic, generic_physical, parameter, symbol
 from .steps import Identity, NonNegative
+from .verdicts import printed
 
 
 def claims() -> list[Claim]:
@@ -98,7 +98,7 @@ def dynamics() -> list[Claim]:
 
 
 def _accelerations(scene: Scene, left: Expr, right: Expr) -> tuple[Any, Any]:
-    from ...models.fleet import column
+    from ...models.arrays import column
 
     zero = sp.S.Zero
     return equations.accelerations(scene.plant, column([left, zero]), column([right, zero]))
@@ -113,7 +113,7 @@ def printed_torques() -> tuple[Expr, Expr]:
 
 def inner_loop() -> list[Claim]:
     """(6) inverts (2) as printed; on a physical drive it turns the sign of the turn channel."""
-    from ...models.fleet import column
+    from ...models.arrays import column
 
     one, u_v, u_w = first(), symbol("u_v", 1), symbol("u_omega", 1)
     left, right = printed_torques()

@@ -9,14 +9,15 @@ import numpy as np
 import sympy as sp
 from flint import arb
 
-from ...models import limits
-from ..claim import Claim
+from ...models import conditions
+from ...models.enclosures import tanh_below
 from .ball import Ball, ball, evaluate, text
-from .build import inference, printed
+from .claim import Claim
 from .excitation_facts import rate_power, square_wave_peak, telescopes
+from .generic_fleet import Scene, symbol
 from .names import Names
-from .scene import Scene, symbol
 from .steps import Check, Identity
+from .verdicts import inference, printed
 from .witness import paper
 
 
@@ -166,7 +167,7 @@ def section_4_psi(coefficient: Ball) -> Claim:
 
 def _section_4_damping() -> tuple[bool, str]:
     data = paper()
-    found = limits.damping(limits.exact_numbers(), data.fleet.limits(data.psi), data.gains)
+    found = conditions.condition_15(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
     return bool(all(found.holds)), "holds for 6 of 6 vehicles"
 
 
@@ -179,8 +180,8 @@ def network() -> list[Claim]:
 
     def tight() -> tuple[bool, str]:
         data = paper()
-        found = limits.damping(limits.exact_numbers(), data.fleet.limits(data.psi), data.gains)
-        needed = [float(small / limits.tanh_below(Fraction(1))) for small in found.small]
+        found = conditions.condition_15(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
+        needed = [float(small / tanh_below(Fraction(1))) for small in found.small]
         ratio = [need / float(d) for need, d in zip(needed, data.gains.d_omega, strict=True)]
         return all(0.96 < r <= 1 for r in ratio), f"(15) needs d_omega >= {needed[0]:.4f} / {needed[1]:.4f}"
 
@@ -215,7 +216,7 @@ def network() -> list[Claim]:
 
 def _section_4_torque() -> tuple[bool, str]:
     data = paper()
-    found = limits.torque_sum(limits.exact_numbers(), data.fleet.limits(data.psi), data.gains)
+    found = conditions.condition_16(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
     sides = ", ".join(f"{float(a):.2f} < {float(b):.2f}" for a, b in zip(found.small, found.large, strict=True))
     return bool(all(found.holds)), sides
 

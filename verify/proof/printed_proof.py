@@ -9,14 +9,14 @@ from functools import cache
 
 import sympy as sp
 
-from ...models.log_cosh import log_cosh
-from ..claim import Claim
-from .build import printed
+from ...models.algebra.log_cosh import log_cosh
+from .claim import Claim
 from .energies import energy_rate, rotational, translational, vehicles
+from .generic_fleet import generic, symbol
 from .names import Names, first, sech2, second
 from .normal_form import Expr
-from .scene import generic, symbol
 from .steps import Identity, NonNegative
+from .verdicts import printed
 
 
 def claims() -> list[Claim]:

@@ -5,28 +5,28 @@ from __future__ import annotations
 import sympy as sp
 from flint import arb
 
-from ...models import limits
-from ..claim import Claim
+from ...models import conditions
 from .ball import evaluate, text
-from .build import printed
+from .claim import Claim
+from .generic_fleet import parameter, symbol
 from .names import first
 from .normal_form import Expr, majorant
 from .printed_model import printed_torques
 from .saturation import psi_bar, pull_bound, pulling_supremum, pulls, turning_supremum
-from .scene import parameter, symbol
 from .steps import Check, Identity
+from .verdicts import printed
 from .witness import FAR, paper, paper_peak
 
 
 def claims() -> list[Claim]:
     """Every claim of this file."""
-    return [*conditions(), *saturation_paragraph()]
+    return [*torque_conditions(), *saturation_paragraph()]
 
 
 def condition_holds(condition: str) -> tuple[bool, str]:
-    """Whether a condition of `models.limits` holds for every vehicle of the paper, with its numbers."""
+    """Whether a condition of `models.conditions` holds for every vehicle of the paper, with its numbers."""
     data = paper()
-    found = getattr(limits, condition)(limits.exact_numbers(), data.fleet.limits(data.psi), data.gains)
+    found = getattr(conditions, condition)(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
     least = min(found.margin / found.large)
     values = ", ".join(
         f"{float(small):.6g} <= {float(large):.6g}" for small, large in zip(found.small, found.large, strict=True)
@@ -34,7 +34,7 @@ def condition_holds(condition: str) -> tuple[bool, str]:
     return bool(all(found.holds)), f"{values}; smallest margin {100 * float(least):.2g} %"
 
 
-def conditions() -> list[Claim]:
+def torque_conditions() -> list[Claim]:
     """(15), (16) on the paper's gains; (16) against its purpose."""
     p, c, D = pulls()
     return [
@@ -44,7 +44,7 @@ def conditions() -> list[Claim]:
             "the gains of Section 4 satisfy (15)",
             Check(
                 "(15) for every vehicle",
-                lambda: condition_holds("damping"),
+                lambda: condition_holds("condition_15"),
                 "exact rational arithmetic, roots rounded up",
             ),
             note="tight for every vehicle",
@@ -64,7 +64,7 @@ def conditions() -> list[Claim]:
             "the gains of Section 4 satisfy (16)",
             Check(
                 "(16) for every vehicle",
-                lambda: condition_holds("torque_sum"),
+                lambda: condition_holds("condition_16"),
                 "exact rational arithmetic, roots rounded up",
             ),
             Check("its excess over (16*) is 2.6 to 3.7 %", _conservatism, "exact rational arithmetic"),
@@ -75,10 +75,10 @@ def conditions() -> list[Claim]:
 
 
 def _conservatism() -> tuple[bool, str]:
-    data, numbers = paper(), limits.exact_numbers()
-    room = data.fleet.limits(data.psi)
-    printed_bound = limits.torque_sum(numbers, room, data.gains).small * room.r / (2 * room.arm)
-    excess = printed_bound / limits.torque_bound(numbers, room, data.gains) - 1
+    data, numbers = paper(), conditions.exact_numbers()
+    room = data.fleet.condition_data(data.psi)
+    printed_bound = conditions.condition_16(numbers, room, data.gains).small * room.r / (2 * room.arm)
+    excess = printed_bound / conditions.torque_bound(numbers, room, data.gains) - 1
     low, high = 100 * float(min(excess)), 100 * float(max(excess))
     return low >= 2.55 and high <= 3.75, f"excess {low:.2f} to {high:.2f} %"
 

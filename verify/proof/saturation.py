@@ -11,14 +11,14 @@ from functools import cache
 
 import sympy as sp
 
+from ...models.arrays import column
 from ...models.equations import wheel_torques
-from ...models.fleet import column
-from ..claim import Claim
-from .build import lemma
+from .claim import Claim
+from .generic_fleet import generic, generic_physical, parameter, symbol
 from .names import first
 from .normal_form import Expr, majorant, normal_form
-from .scene import generic, generic_physical, parameter, symbol
 from .steps import Identity, NonNegative, Step
+from .verdicts import lemma
 
 Cases = tuple[Mapping[Expr, Expr], ...]
 

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import sympy as sp
 
-from ..claim import Claim
 from .bounds import existence
-from .build import lemma
+from .claim import Claim
 from .energies import rotational, vehicles
+from .generic_fleet import generic, parameter, symbol
 from .names import Names, first
 from .normal_form import Expr
-from .scene import generic, parameter, symbol
 from .steps import Check, Cited, Identity, NonNegative
+from .verdicts import lemma
 
 LAMBDA = parameter("lambda")
 

@@ -14,8 +14,8 @@ import sympy as sp
 
 from . import second_opinion, signs
 from .ball import evaluate, precise, sample, text
+from .generic_fleet import Scene
 from .normal_form import Expr, normal_form
-from .scene import Scene
 
 
 @dataclass(frozen=True)

@@ -7,16 +7,16 @@ from typing import Any
 import sympy as sp
 from flint import arb
 
-from ..claim import Claim
 from .ball import ball, text
-from .build import lemma
+from .claim import Claim
 from .energies import projections
 from .excitation_facts import times_power_of_pi, variance
+from .generic_fleet import generic, parameter, symbol
 from .names import first, second
 from .normal_form import Expr, majorant
 from .saturation import folded_inputs
-from .scene import generic, parameter, symbol
 from .steps import Check, Identity, NonNegative, Step
+from .verdicts import lemma
 from .witness import paper
 
 ETA, PERIOD = parameter("eta"), parameter("T")

@@ -12,11 +12,12 @@ import numpy as np
 from flint import arb
 
 from ...models import energy, equations
+from ...models.arrays import Array, column
 from ...models.equations import Plant, State
 from ...models.excitation import Excitation
-from ...models.fleet import Fleet, Leader, column
+from ...models.fleet import Fleet
+from ...models.fleet_tables import Leader
 from ...models.gains import Gains
-from ...models.ops import Array
 from ...models.paper import paper_excitation, paper_fleet, paper_gains
 from .ball import Ball, arb_ops, ball, balls, precise
 

@@ -1,0 +1,235 @@
+"""The conditions on the gains, once: (15), (15'), (16), (16*) and the certified speed limits.
+
+Each function returns an `Inequality` with one entry per vehicle, over floats, exact fractions, cvxpy expressions or
+SymPy numbers: `Numbers` says how each of them takes a norm. For fractions the irrational parts are enclosed in the
+safe direction, so that an inequality that holds in fractions holds in truth.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from functools import cache
+
+import numpy as np
+
+from .arrays import Array
+from .enclosures import sqrt_above, tanh_below
+from .errors import InputError
+from .gains import GAIN_NAMES, Gains
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """What the conditions need beyond + - * /."""
+
+    sqrt2_norm: Callable[..., Array]  # sqrt2 times the Euclidean norm of its arguments; rounded up where inexact
+    tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact; endless where it is
+
+
+@dataclass(frozen=True, eq=False)
+class Inequality:
+    """small <= large (or <, where strict) for every vehicle."""
+
+    source: str  # the equation it comes from
+    quantity: str  # what `small` is, in words with its unit
+    small: Array  # (N,)
+    large: Array  # (N,)
+    scaled: tuple[str, ...]  # gains in which `small` is linear and on which `large` does not depend
+    strict: bool = False
+
+    @property
+    def margin(self) -> Array:
+        """large - small, (N,)."""
+        return self.large - self.small
+
+    @property
+    def holds(self) -> Array:
+        """(N,) of bool; exact for fractions."""
+        return self.small < self.large if self.strict else self.small <= self.large
+
+
+@dataclass(frozen=True, eq=False)
+class ConditionData:
+    """The numbers in the conditions that are not gains, all of one number type."""
+
+    degree: Array  # (N,), D_i = a_il + l_ii
+    psi_bar: Array  # bound of |psi|
+    r: Array  # (N,), m, wheel radius
+    arm: Array  # (N,), m, |lever arm|: 2R in (2) as printed, R on a physical drive
+    torque: Array  # (N,), N m, min of the left and right limit
+    speed: Array  # (N,), m/s, math.inf where none is asked for
+    turn_rate: Array  # (N,), rad/s, math.inf where none is asked for
+
+    def map(self, convert: Callable[[Array], Array]) -> ConditionData:
+        """The same data with every array converted."""
+        return ConditionData(*(convert(getattr(self, field.name)) for field in fields(self)))
+
+
+def excitation_bound(numbers: Numbers, data: ConditionData, gains: Gains) -> Array:
+    """c = sqrt2 k psi_bar D >= |alpha|, N m."""
+    return data.degree * numbers.sqrt2_norm(gains.k_alpha * data.psi_bar)
+
+
+def turning_bound(numbers: Numbers, data: ConditionData, gains: Gains) -> Array:
+    """p_omega D + c: what the heading error and the excitation can ask for together, N m."""
+    return gains.p_omega * data.degree + excitation_bound(numbers, data, gains)
+
+
+def pulling_bound(numbers: Numbers, data: ConditionData, gains: Gains) -> Array:
+    """sqrt2 p_v D: what the position error can ask for, N."""
+    return data.degree * numbers.sqrt2_norm(gains.p_v)
+
+
+def condition_15(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """(15): c <= d_omega tanh(1)."""
+    c = excitation_bound(numbers, data, gains)
+    return Inequality("(15)", "excitation bound, N m", c, gains.d_omega * numbers.tanh(1), ("k_alpha",))
+
+
+def condition_15_prime(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """(15'): p_omega D + c < d_omega, which bounds the turn rate."""
+    small = turning_bound(numbers, data, gains)
+    return Inequality("(15')", "heading and excitation bound, N m", small, gains.d_omega, _TURNING, strict=True)
+
+
+def condition_16(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """(16): 2R u_v + u_omega < (4R / r) min tau, with R for 2R on a physical drive."""
+    u_v = gains.d_v + pulling_bound(numbers, data, gains)
+    u_omega = gains.d_omega + turning_bound(numbers, data, gains)
+    small = data.arm * u_v + u_omega
+    quantity = "lever arm times force, plus moment, N m"
+    return Inequality("(16)", quantity, small, torque_room(data), GAIN_NAMES, strict=True)
+
+
+def torque_room(data: ConditionData) -> Array:
+    """(4R / r) min tau, N m: the right side of (16)."""
+    return 2 * data.arm * data.torque / data.r
+
+
+def torque_bound(numbers: Numbers, data: ConditionData, gains: Gains) -> Array:
+    """T of (16*), N m: the supremum of both wheel torques over all states and times; never attained."""
+    # cos, sin of the heading meet the error as a rotated pair: |p_v phi -/+ (k psi / arm) phi_perp| is a norm.
+    pull = data.degree * numbers.sqrt2_norm(gains.p_v, gains.k_alpha * data.psi_bar / data.arm)
+    turn = (gains.d_omega + gains.p_omega * data.degree) / data.arm
+    return data.r / 2 * (gains.d_v + pull + turn)
+
+
+def condition_16_star(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """(16*): T <= min(tau_left, tau_right)."""
+    return Inequality("(16*)", "torque bound, N m", torque_bound(numbers, data, gains), data.torque, GAIN_NAMES)
+
+
+def speed_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """sqrt2 p_v D <= d_v tanh(speed limit): |v| never passes the limit that it starts within."""
+    small = pulling_bound(numbers, data, gains)
+    large = gains.d_v * numbers.tanh(data.speed)
+    return Inequality("speed limit", "position error bound, N", small, large, ("p_v",))
+
+
+def turn_rate_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """p_omega D + c <= d_omega tanh(turn rate limit): |omega| never passes the limit that it starts within."""
+    small = turning_bound(numbers, data, gains)
+    large = gains.d_omega * numbers.tanh(data.turn_rate)
+    return Inequality("turn rate limit", "heading and excitation bound, N m", small, large, _TURNING)
+
+
+Condition = Callable[[Numbers, ConditionData, Gains], Inequality]
+
+_TURNING = ("p_omega", "k_alpha")
+
+
+@cache
+def float_numbers() -> Numbers:
+    """Floats: plain rounding, for display and search; never for a verdict."""
+    return Numbers(lambda *parts: np.sqrt(2 * _squares(*parts)), _tanh_or(np.inf))
+
+
+@cache
+def exact_numbers() -> Numbers:
+    """Object arrays of `Fraction`: roots exact where rational, else rounded up; tanh rounded down."""
+    root = np.frompyfunc(sqrt_above, 1, 1)
+    hyperbolic = np.frompyfunc(tanh_below, 1, 1)
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
+
+
+@cache
+def cvxpy_numbers() -> Numbers:
+    """`Elementwise` cvxpy expressions that are affine in the gains: the conditions come out as second-order cones."""
+    from .algebra.cvxpy_arrays import sqrt2_norm
+
+    return Numbers(sqrt2_norm, _tanh_or(NEVER_BINDS))
+
+
+@cache
+def casadi_numbers() -> Numbers:
+    """CasADi columns."""
+    import casadi as ca
+
+    endless = _tanh_or(math.inf)
+    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(endless(ca.DM(q).full())))
+
+
+@cache
+def sympy_numbers() -> Numbers:
+    """Object arrays of SymPy numbers: no rounding at all."""
+    import numpy as np
+    import sympy as sp
+
+    root = np.frompyfunc(sp.sqrt, 1, 1)
+    hyperbolic = np.frompyfunc(lambda q: sp.oo if q == math.inf else sp.tanh(q), 1, 1)
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
+
+
+def _squares(first: Array, *rest: Array) -> Array:
+    return sum((part * part for part in rest), first * first)
+
+
+def _tanh_or(endless: float) -> Callable[[Array], Array]:
+    """Tanh of floats, and `endless` where the argument is infinite: no limit is asked for there."""
+    return lambda q: np.where(np.isinf(q), endless, np.tanh(np.asarray(q, dtype=float)))
+
+
+NEVER_BINDS = 1e6  # in place of infinity, which a solver does not take
+
+
+@dataclass(frozen=True)
+class ConditionSet:
+    """A set of conditions from `models.data`, sufficient for the theorem that is named."""
+
+    name: str
+    theorem: str
+    sources: tuple[str, ...]
+    torque: Condition  # the one that keeps the torques within their data
+    others: tuple[Condition, ...]
+
+    def inequalities(self, numbers: Numbers, data: ConditionData, gains: Gains) -> list[Inequality]:
+        """All conditions, with the limits on speed and turn rate where the fleet asks for them."""
+        return [condition(numbers, data, gains) for condition in (self.torque, *self.homogeneous(data))]
+
+    def homogeneous(self, data: ConditionData) -> list[Condition]:
+        """The conditions that scaling all gains together leaves true: all but the torque limit."""
+        asked = ((speed_condition, data.speed), (turn_rate_condition, data.turn_rate))
+        return [*self.others, *(condition for condition, bound in asked if np.any(bound != math.inf))]
+
+
+_SETS = (
+    ConditionSet("paper", "Proposition 1 of the paper", ("(15)", "(16)"), condition_16, (condition_15,)),
+    ConditionSet("corrected", "the corrected theorem", ("(16*)",), condition_16_star, ()),
+    ConditionSet(
+        "rate-bounded",
+        "the corrected theorem with bounded turn rates",
+        ("(15')", "(16*)"),
+        condition_16_star,
+        (condition_15_prime,),
+    ),
+)
+CONDITION_SETS: dict[str, ConditionSet] = {conditions.name: conditions for conditions in _SETS}
+
+
+def condition_set(name: str) -> ConditionSet:
+    """The condition set called `name`. Raises InputError for any other name."""
+    if name not in CONDITION_SETS:
+        raise InputError(f"conditions = {name!r} is not known; choose one of {', '.join(CONDITION_SETS)}")
+    return CONDITION_SETS[name]

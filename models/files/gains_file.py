@@ -1,0 +1,152 @@
+"""Gains from files: a design.json, a gains.csv or a gains.toml."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from ..arrays import column
+from ..errors import InputError
+from ..excitation import Excitation
+from ..fleet import Fleet
+from ..fleet_tables import ExcitationTable, Links
+from ..gains import GAIN_NAMES, Gains
+from ..numbers import exact
+from .fleet_file import MAX_CSV_BYTES, csv_rows, read_toml
+from .mistakes import explain, shown
+from .text import read_text
+
+
+@dataclass(frozen=True)
+class GainsFile:
+    """What a gains file says."""
+
+    gains: Gains  # exact, (N,)
+    excitation: Excitation  # the file's own, else the fleet's
+    conditions: str | None  # the condition set that they were designed for
+    links: Links | None = None  # the weights that they were designed with, None for the fleet's own
+
+
+def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
+    """The gains in a design.json, gains.csv or gains.toml, for a fleet. Raises InputError.
+
+    design.json and gains.toml: five keys p_v, d_v, p_omega, d_omega, k_alpha, each a list in file order or (TOML) one
+    number for all, and optionally [excitation] as in a fleet file. gains.csv: columns vehicle and the five gains.
+    """
+    path = Path(path)
+    readers = {".json": _from_json, ".csv": _from_csv, ".toml": _from_toml}
+    if path.suffix.lower() not in readers:
+        raise InputError(f"{path}: gains are read from .json, .csv and .toml files; rename it to what it is")
+    values, table, conditions, digest, weights = readers[path.suffix.lower()](path, fleet)
+    if digest is not None and digest != fleet.digest:
+        raise InputError(f"{path}: was designed for another fleet ({digest}, this is {fleet.digest}); design it again")
+    excitation = _excitation(path, table) if table is not None else fleet.psi
+    if excitation is None:
+        raise InputError(f"{path}: neither it nor the fleet file has an [excitation] table; add one to either")
+    chosen = _gains(path, values, fleet)
+    return GainsFile(chosen, excitation, conditions, _links(path, weights, fleet) if weights is not None else None)
+
+
+_Content = tuple[Mapping[str, Any], Any, str | None, str | None, Any]
+
+
+def _from_json(path: Path, _: Fleet) -> _Content:
+    try:
+        content = json.loads(read_text(path, MAX_CSV_BYTES), parse_float=Decimal)
+    except (ValueError, RecursionError) as error:
+        raise InputError(f"{path}: is not JSON: {error}") from None
+    except ArithmeticError:
+        raise InputError(f"{path}: holds a number whose exponent is beyond all reading; correct it") from None
+    if not isinstance(content, dict) or not isinstance(content.get("gains"), dict):
+        raise InputError(f"{path}: is not a design.json: it has no object 'gains'")
+    conditions, digest = content.get("conditions"), content.get("fleet_digest")
+    return content["gains"], content.get("excitation"), _text(conditions), _text(digest), content.get("weights")
+
+
+def _from_toml(path: Path, fleet: Fleet) -> _Content:
+    content = read_toml(path)
+    table = content.pop("excitation", None)
+    if unknown := set(content) - set(GAIN_NAMES):
+        raise InputError(f"{path}: unknown key {min(unknown)!r}; a gains file has {', '.join(GAIN_NAMES)}, excitation")
+    values = {key: value if isinstance(value, list) else [value] * len(fleet) for key, value in content.items()}
+    return values, table, None, None, None
+
+
+def _from_csv(path: Path, fleet: Fleet) -> _Content:
+    heading, entries = csv_rows(path)
+    wanted = ["vehicle", *GAIN_NAMES]
+    if missing := [key for key in wanted if key not in heading]:
+        raise InputError(f"{path}: has no column {missing[0]!r}; a gains.csv has the columns {','.join(wanted)}")
+    rows: dict[str, Mapping[str, str]] = {}
+    for row in entries:
+        if row["vehicle"] in rows:
+            raise InputError(f"{path}: vehicle {row['vehicle']!r} stands twice")
+        rows[row["vehicle"]] = row
+    if extra := set(rows) - set(fleet.names):
+        raise InputError(f"{path}: vehicle {min(extra, key=str)!r} is not in the fleet")
+    if lost := [name for name in fleet.names if name not in rows]:
+        raise InputError(f"{path}: has no row for vehicle {lost[0]!r}")
+    return {key: [rows[name][key] for name in fleet.names] for key in GAIN_NAMES}, None, None, None, None
+
+
+def _gains(path: Path, values: Mapping[str, Any], fleet: Fleet) -> Gains:
+    """Exact positive gains, one per vehicle; every mistake at once."""
+    mistakes: list[str] = []
+    columns = []
+    for name in GAIN_NAMES:
+        entries = values.get(name)
+        if not isinstance(entries, list) or len(entries) != len(fleet):
+            mistakes.append(f"{path}: {name} must be a list of {len(fleet)} numbers, one per vehicle in file order")
+        else:
+            columns.append(column(_positive(path, name, fleet.names, entries, mistakes)))
+    if mistakes:
+        raise InputError(*mistakes)
+    return Gains(*columns)
+
+
+def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], mistakes: list[str]) -> list[Fraction]:
+    numbers = []
+    for vehicle, entry in zip(names, entries, strict=True):
+        try:
+            number = exact(entry)
+        except ValueError as error:
+            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} {error}; it must be a number > 0")
+            continue
+        if number <= 0:
+            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} must be > 0")
+        numbers.append(number)
+    return numbers
+
+
+def _excitation(path: Path, table: Any) -> Excitation:
+    adapter: TypeAdapter[Any] = TypeAdapter(ExcitationTable)
+    try:
+        psi: Excitation = adapter.validate_python(table).psi
+    except ValidationError as error:
+        lines = [line for item in error.errors() for line in explain(item, {})]
+        raise InputError(*(f"{path}: excitation: {line}" for line in lines)) from None
+    return psi
+
+
+def _links(path: Path, weights: Any, fleet: Fleet) -> Links:
+    """Designed weights: on the fleet's own links, and no others."""
+    try:
+        links = Links.model_validate(weights)
+        fleet.with_links(links)
+    except ValidationError as error:
+        raise InputError(f"{path}: weights: {error.errors()[0]['msg']}; design them again") from None
+    own = {frozenset(edge[:2]) for edge in fleet.links.edges}
+    if {frozenset(edge[:2]) for edge in links.edges} != own:
+        raise InputError(f"{path}: weights: their edges are not those of the fleet; design them again")
+    return links
+
+
+def _text(value: Any) -> str | None:
+    return value if isinstance(value, str) else None

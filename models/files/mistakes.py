@@ -1,0 +1,87 @@
+"""What pydantic finds wrong with a fleet file, in a reader's words: the thing, its value, what is wanted."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import Any
+
+from ..errors import did_you_mean
+from ..fleet import Fleet
+
+
+def explain(item: Any, content: dict[str, Any]) -> list[str]:
+    """The lines of one pydantic error: the thing, its value and what is wanted."""
+    kind, value = item["type"], item["input"]
+    if kind == "graph":
+        return str(item["msg"]).split("\n")
+    place, key = _place(list(item["loc"]), content)
+    if kind == "missing":
+        return [f"{place}{key} is missing"]
+    if kind == "extra_forbidden":
+        return [
+            f"{place}unknown key {key!r}{did_you_mean(item['loc'][-1], _known_keys(item['loc']))}; correct or remove it"
+        ]
+    if kind in ("number", "edge") or isinstance(value, (str, int, Decimal)):
+        return [f"{place}{key} = {shown(value)} {_requirement(item)}"]
+    return [f"{place}{key} {_requirement(item)}"]
+
+
+def _requirement(item: Any) -> str:
+    kind, words = item["type"], str(item["msg"])
+    if kind in ("number", "edge", "heading", "constant"):
+        return words
+    return _WANTED.get(kind, f"is not valid: {words[0].lower()}{words[1:]}")
+
+
+_WANTED = {  # pydantic's words, where they speak of Python
+    "dict_type": "must be a table",
+    "model_type": "must be a table",
+    "string_type": "must be a text in quotes",
+    "tuple_type": "must be a list: [..., ...], or tables under [[...]]",
+    "union_tag_not_found": "must say its family: 'square-wave' or 'harmonics'",
+    "union_tag_invalid": "must have the family 'square-wave' or 'harmonics'",
+}
+
+
+def _place(loc: list[Any], content: dict[str, Any]) -> tuple[str, str]:
+    """Where an error lies, in a reader's words, and the key."""
+    parts = [part for i, part in enumerate(loc) if i > 1 or part not in ("square-wave", "harmonics")]
+    if parts[:1] == ["vehicle"] and len(parts) > 1:
+        vehicle = content["vehicle"][parts[1]]
+        name = vehicle.get("name") if isinstance(vehicle, dict) else None
+        label = f"vehicle {name!r}: " if isinstance(name, str) else f"vehicle number {parts[1] + 1}: "
+        parts = parts[2:]
+    elif len(parts) > 1:
+        label, parts = f"{parts[0]}: ", parts[1:]
+    else:
+        label = ""
+    return label, ".".join(str(part) for part in parts) or "the table"
+
+
+def _known_keys(loc: Sequence[Any]) -> list[str]:
+    """The keys that the table around an unknown key may have."""
+    model: Any = Fleet
+    for part in loc[:-1]:
+        for name, field in getattr(model, "model_fields", {}).items():
+            if part in (name, field.alias):
+                model = _table_in(field.annotation)
+                break
+    return [field.alias or name for name, field in getattr(model, "model_fields", {}).items()]
+
+
+def _table_in(annotation: Any) -> Any:
+    """The Table class inside an annotation like tuple[Vehicle, ...] or Start | None."""
+    if hasattr(annotation, "model_fields"):
+        return annotation
+    found = [_table_in(argument) for argument in getattr(annotation, "__args__", ())]
+    return next((table for table in found if table is not None), None)
+
+
+def shown(value: Any) -> str:
+    """A value of a file in a message, cut where it is long."""
+    try:
+        text = repr(value) if isinstance(value, str) else str(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply
+        return "(too long to show)"
+    return text if len(text) <= 60 else f"{text[:57]}..."

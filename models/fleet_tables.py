@@ -1,0 +1,153 @@
+"""The tables of a fleet file, validated: vehicle, leader, start, links, excitation, disturbance."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+from functools import cached_property
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
+
+from .excitation import Excitation
+from .numbers import NotNegative, Number, Positive, Uncertain
+
+Name = Annotated[str, Field(min_length=1, max_length=64)]
+Point = tuple[Number, Number]
+
+
+class Table(BaseModel):
+    """A table of a fleet file: unknown keys are errors, values are frozen."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, populate_by_name=True, ignored_types=(cached_property,))
+
+
+class Pose(Table):
+    """A position (m) and a heading, in rad or in degrees."""
+
+    position: Point
+    heading: Number | None = None  # rad
+    heading_deg: Number | None = None
+
+    @model_validator(mode="after")
+    def _one_heading(self) -> Pose:
+        if (self.heading is None) == (self.heading_deg is None):
+            raise PydanticCustomError("heading", "must have exactly one of heading (rad) and heading_deg")
+        return self
+
+    @property
+    def theta(self) -> float:
+        """The heading in rad."""
+        return math.radians(self.heading_deg) if self.heading is None else float(self.heading)  # type: ignore[arg-type]
+
+
+class Leader(Pose):
+    """The static leader: z_l (m) and theta_l."""
+
+
+class Start(Pose):
+    """The initial state of a vehicle, for simulation."""
+
+    v: Number = Fraction(0)  # m/s
+    omega: Number = Fraction(0)  # rad/s
+
+
+def _both_wheels(value: Any) -> Any:
+    return value if isinstance(value, (dict, TorqueLimit)) else {"left": value, "right": value}
+
+
+class TorqueLimit(Table):
+    """The torque limits of the two wheels, N m."""
+
+    left: Uncertain
+    right: Uncertain
+
+
+class SpeedLimits(Table):
+    """ConditionData that a certificate is to prove."""
+
+    speed: Positive | None = None  # m/s
+    turn_rate: Positive | None = None  # rad/s
+
+
+class Vehicle(Table):
+    """One differential-drive vehicle; a physical parameter is a number or an interval [low, high]."""
+
+    name: Name
+    mass: Uncertain  # kg
+    inertia: Uncertain  # kg m^2, about the centre
+    half_track: Uncertain  # R, m
+    wheel_radius: Uncertain  # r, m
+    torque_limit: Annotated[TorqueLimit, BeforeValidator(_both_wheels)]
+    offset: Point  # delta, m
+    start: Start | None = None
+    limits: SpeedLimits = SpeedLimits()
+
+
+class SquareWave(Table):
+    """mean + sum_k 4/((2k-1) pi) sin((2k-1) w t), k = 1..terms."""
+
+    family: Literal["square-wave"]
+    mean: Number = Fraction(0)
+    terms: Annotated[int, Field(ge=1, le=100, strict=True)]
+    frequency: Positive
+
+    @property
+    def psi(self) -> Excitation:
+        """The Fourier sum."""
+        return Excitation.square_wave(self.mean, self.terms, self.frequency)
+
+
+class Harmonics(Table):
+    """mean + sum_k s_k sin(k w t) + c_k cos(k w t)."""
+
+    family: Literal["harmonics"]
+    mean: Number = Fraction(0)
+    frequency: Positive
+    sin: Annotated[tuple[Number, ...], Field(max_length=200)] = ()
+    cos: Annotated[tuple[Number, ...], Field(max_length=200)] = ()
+
+    @model_validator(mode="after")
+    def _moves(self) -> Harmonics:
+        if not self.psi.persistent:
+            raise PydanticCustomError(
+                "constant", "is constant, so (12) fails; give at least one sin or cos that is not 0"
+            )
+        return self
+
+    @property
+    def psi(self) -> Excitation:
+        """The Fourier sum."""
+        return Excitation(self.mean, self.frequency, self.sin, self.cos)
+
+
+ExcitationTable = Annotated[SquareWave | Harmonics, Field(discriminator="family")]
+
+
+def _weighted(value: Any) -> Any:
+    if not isinstance(value, (list, tuple)) or len(value) not in (2, 3):
+        raise PydanticCustomError("edge", "must be [from, to] or [from, to, weight]")
+    return (*value, 1)[:3]
+
+
+class Links(Table):
+    """The undirected edges (from, to, weight) between vehicles and the weights of the links to the leader."""
+
+    edges: tuple[Annotated[tuple[str, str, Positive], BeforeValidator(_weighted)], ...] = ()
+    leader_links: dict[str, NotNegative]
+
+
+class DisturbanceTable(Table):
+    """How reality differs from (1)-(14), for simulation: sampling, delay, noise, mismatch, friction, a lost link."""
+
+    sample_time: Positive | None = None  # s, between two computations of the torques
+    delay: NotNegative = Fraction(0)  # s, from measuring to the wheels
+    noise_position: NotNegative = Fraction(0)  # m, standard deviation of each coordinate measured
+    noise_heading: NotNegative = Fraction(0)  # rad
+    noise_speed: NotNegative = Fraction(0)  # m/s and rad/s
+    mismatch: NotNegative = Fraction(0)  # relative error of mass, inertia, wheel radius and track
+    coulomb: NotNegative = Fraction(0)  # N m at every wheel
+    viscous: NotNegative = Fraction(0)  # N m s/rad at every wheel
+    lost_link: tuple[str, str] | None = None  # the edge between these vehicles fails
+    lost_at: NotNegative = Fraction(0)  # s

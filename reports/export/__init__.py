@@ -1,0 +1,1 @@
+"""Gains for robots and for papers: C, ROS 2, LaTeX, CSV, Markdown."""

@@ -1,0 +1,133 @@
+"""What a folder holds that can be deployed: the fleet, its gains and psi, and the digests that tie them together."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+from ... import __version__
+from ...models.arrays import Array
+from ...models.conditions import exact_numbers, torque_bound
+from ...models.errors import InputError
+from ...models.excitation import Excitation
+from ...models.files.fleet_file import load_fleet
+from ...models.files.fleet_text import dumps
+from ...models.files.gains_file import load_gains
+from ...models.files.text import write_text
+from ...models.fleet import Fleet
+from ...models.fleet_tables import Harmonics, Links, SquareWave
+from ...models.gains import GAIN_NAMES, Gains
+from ...models.numbers import decimal_text
+from ..versions import versions
+
+FLEET_COPY = "fleet_copy.toml"  # not fleet.toml: a fleet file of the user's own may lie in the same folder
+COPIED = 20_000  # vehicles up to which a folder gets a copy of its fleet
+
+
+@dataclass(frozen=True, eq=False)
+class Deployment:
+    """Gains that are ready for robots, and where they come from."""
+
+    fleet: Fleet  # with the links that are used
+    excitation: Excitation
+    gains: Gains  # exact, (N,)
+    fleet_digest: str  # of the fleet file's content
+    certificate_digest: str | None  # SHA-256 of certificate.json, None where there is none
+    conditions: str | None
+    facts: tuple[str, ...] = ()  # what the certificate proves, in the kernel's sentences
+
+    @cached_property
+    def torque_bounds(self) -> Array:
+        """T of (16*), N m, exact or rounded up, (N,): the supremum of both wheel torques."""
+        return torque_bound(exact_numbers(), self.fleet.condition_data(self.excitation), self.gains)
+
+    @cached_property
+    def gains_digest(self) -> str:
+        """SHA-256 of all that the controller computes with: gains, psi, links, robots and the leader's pose."""
+        gains = {name: [decimal_text(value) for value in getattr(self.gains, name)] for name in GAIN_NAMES}
+        leader = self.fleet.leader.model_dump(mode="json")
+        content = {
+            "fleet": self.fleet.content(),
+            "leader": leader,
+            "gains": gains,
+            "excitation": self.excitation.table(),
+        }
+        text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+        return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+
+    @cached_property
+    def evidence(self) -> dict[str, str]:
+        """What every export says of its origin."""
+        return {
+            "gaincert": __version__,
+            "casadi": versions()["casadi"],
+            "fleet_digest": self.fleet_digest,
+            "gains_digest": self.gains_digest,
+            "certificate_digest": self.certificate_digest or "none",
+            "conditions": self.conditions or "none",
+        }
+
+
+def write_fleet_copy(fleet: Fleet, folder: Path) -> None:
+    """Keep the fleet beside what was made for it, so that `report` and `export` need nothing but the folder."""
+    if len(fleet) <= COPIED:
+        write_text(folder / FLEET_COPY, dumps(fleet))
+
+
+def fleet_of_folder(folder: Path, given: Path | None = None) -> Fleet:
+    """The fleet of a folder, or the one in the file that is given. Raises InputError where there is neither."""
+    if given is not None:
+        return load_fleet(given)
+    if not (folder / FLEET_COPY).is_file():
+        raise InputError(f"{folder}: holds no {FLEET_COPY}; give the fleet file with --fleet FLEET.toml")
+    return load_fleet(folder / FLEET_COPY)
+
+
+def load_deployment(folder: Path, fleet: Fleet) -> Deployment:
+    """What a folder holds for a fleet. Raises InputError where files are missing or do not belong together."""
+    design, certificate = folder / "design.json", folder / "certificate.json"
+    if not design.is_file() and not certificate.is_file():
+        raise InputError(f"{folder}: holds neither design.json nor certificate.json; run gaincert design or certify")
+    designed = _designed(design, fleet) if design.is_file() else None
+    certified = _certified(certificate, fleet) if certificate.is_file() else None
+    if designed and certified and designed.gains_digest != certified.gains_digest:
+        raise InputError(
+            f"{certificate}: is not of the gains in design.json; "
+            f"run gaincert certify FLEET.toml --gains {design} -o {folder}"
+        )
+    found = certified or designed
+    if found is None:  # removed since we looked
+        raise InputError(f"{folder}: its files changed while they were read; try again")
+    return found
+
+
+def _designed(path: Path, fleet: Fleet) -> Deployment:
+    chosen = load_gains(path, fleet)
+    used = fleet.with_links(chosen.links)
+    return Deployment(used, chosen.excitation, chosen.gains, fleet.digest, None, chosen.conditions)
+
+
+def _certified(path: Path, fleet: Fleet) -> Deployment:
+    """The content of a certificate, after the kernel has accepted it for this fleet."""
+    from ...verify.certificates.certify import Certificate
+
+    certificate = Certificate.read(path, fleet)
+    if not certificate.valid:
+        raise InputError(f"{path}: {certificate.verdict}; certify the gains of this fleet again")
+    content = certificate.content
+    table = content["designed"].get("excitation") or content["fleet"]["excitation"]
+    links = content["designed"].get("graph")
+    family: Any = SquareWave if table["family"] == "square-wave" else Harmonics
+    return Deployment(
+        fleet.with_links(Links.model_validate(links) if links else None),
+        family.model_validate(table).psi,
+        certificate.gains,
+        fleet.digest,
+        "sha256:" + hashlib.sha256(path.read_bytes()).hexdigest(),
+        content["conditions"],
+        certificate.facts,
+    )

@@ -1,0 +1,91 @@
+"""What `gaincert export` writes: one function per format, from a deployment to files (name -> text)."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable
+from pathlib import Path
+
+from ...models.errors import InputError
+from ...models.files.text import write_text
+from ...models.gains import GAIN_NAMES
+from ..html.render import render
+from ..tables.gain_table import COLUMNS, rows
+from .deployment import Deployment, fleet_of_folder, load_deployment
+
+LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
+SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
+
+
+def export(folder: Path, kind: str, fleet_path: Path | None = None) -> list[Path]:
+    """Write one format of what lies in a folder, each file whole or not at all. Raises InputError."""
+    if kind not in FORMATS:
+        raise InputError(f"format = {kind!r} is not known; choose one of {', '.join(FORMATS)}")
+    files = FORMATS[kind](load_deployment(folder, fleet_of_folder(folder, fleet_path)))
+    return [write_text(folder / name, text) for name, text in files.items()]
+
+
+def csv_files(deployed: Deployment) -> dict[str, str]:
+    """The gain table with its origin in every row, safe to open in a spreadsheet."""
+    evidence = deployed.evidence
+    text = io.StringIO()
+    writer = csv.DictWriter(text, (*COLUMNS, *evidence), lineterminator="\n")
+    writer.writeheader()
+    for row in rows(deployed.fleet, deployed.excitation, deployed.gains):
+        writer.writerow({**row, "vehicle": no_formula(row["vehicle"]), **evidence})
+    return {SPREADSHEET: text.getvalue()}
+
+
+def no_formula(text: str) -> str:
+    """Text that no spreadsheet takes for a formula: an apostrophe before what would begin one."""
+    return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")) else text
+
+
+def latex_files(deployed: Deployment) -> dict[str, str]:
+    """gains.tex: a booktabs table that compiles by itself and that another document can input."""
+    table = rows(deployed.fleet, deployed.excitation, deployed.gains)
+    return {
+        "gains.tex": render(
+            "gains.tex",
+            fleet=deployed.fleet,
+            evidence=deployed.evidence,
+            psi=deployed.excitation.table(),
+            table=table,
+            keys=(*GAIN_NAMES, "torque_bound", "torque_limit"),
+            long=len(table) > LONG_TABLE,
+        )
+    }
+
+
+def markdown_files(deployed: Deployment) -> dict[str, str]:
+    """gains.md."""
+    table = rows(deployed.fleet, deployed.excitation, deployed.gains)
+    return {
+        "gains.md": render(
+            "gains.md", fleet=deployed.fleet, evidence=deployed.evidence, psi=deployed.excitation.table(), table=table
+        )
+    }
+
+
+def ros2_files(deployed: Deployment) -> dict[str, str]:
+    """Parameters of the ROS 2 node, and the node."""
+    from .ros2 import ros2_files as files
+
+    return files(deployed)
+
+
+def c_files(deployed: Deployment) -> dict[str, str]:
+    """The C99 controller with its test."""
+    from .c_controller import c_files as files
+
+    return files(deployed)
+
+
+FORMATS: dict[str, Callable[[Deployment], dict[str, str]]] = {
+    "ros2": ros2_files,
+    "c": c_files,
+    "latex": latex_files,
+    "csv": csv_files,
+    "markdown": markdown_files,
+}

@@ -1,0 +1,80 @@
+"""The ROS 2 export: parameters of one controller node per vehicle, and the node."""
+
+from __future__ import annotations
+
+import math
+import re
+from importlib.resources import files
+from typing import Any
+
+from ...models.equations import Plant
+from ...models.gains import GAIN_NAMES
+from ...models.numbers import low, nominal
+from ..html.render import render, yaml_text
+from ..tables.neighbours import Neighbours, neighbours
+from .deployment import Deployment
+
+NODE = "gaincert_node.py"
+_ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+
+
+def ros2_files(deployed: Deployment) -> dict[str, str]:
+    """gaincert.yaml and gaincert_node.py."""
+    names, plant = namespaces(deployed.fleet.names), deployed.fleet.plant()
+    near = neighbours(plant.graph)
+    nodes = [
+        {"namespace": name, "parameters": parameters(deployed, plant, near, names, i)} for i, name in enumerate(names)
+    ]
+    return {
+        "gaincert.yaml": render("ros2.yaml", fleet=deployed.fleet, evidence=deployed.evidence, nodes=nodes),
+        NODE: (files("gaincert.reports") / "templates" / NODE).read_text(),
+    }
+
+
+def namespaces(names: list[str]) -> list[str]:
+    """A ROS namespace for each vehicle: its name where ROS takes all of them, else its number."""
+    if all(_ROS_NAME.fullmatch(name) and "__" not in name for name in names):
+        return names
+    return [f"vehicle_{i}" for i in range(len(names))]
+
+
+def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list[str], i: int) -> dict[str, str]:
+    """Name -> YAML value for vehicle i. Names of ros2_control's diff_drive_controller where it has them."""
+    fleet, psi = deployed.fleet, deployed.excitation
+    vehicle, links = fleet.vehicles[i], near.of(i)
+    scale = 1 / math.pi if psi.over_pi else 1.0
+    origin = {key: value for key, value in deployed.evidence.items() if key != "casadi"}
+    values: dict[str, Any] = {
+        "vehicle": i,
+        "fleet_size": len(fleet),
+        "vehicle_name": vehicle.name,
+        "drive": fleet.drive,
+        "wheel_separation": float(2 * nominal(vehicle.half_track)),  # m
+        "wheel_radius": float(nominal(vehicle.wheel_radius)),  # m
+        "torque_limit_left": float(low(vehicle.torque_limit.left)),  # N m
+        "torque_limit_right": float(low(vehicle.torque_limit.right)),  # N m
+        "torque_bound": float(deployed.torque_bounds[i]),  # N m
+        **{name: float(getattr(deployed.gains, name)[i]) for name in GAIN_NAMES},
+        "leader_pose": [plant.leader_x, plant.leader_y, plant.leader_theta],  # m, m, rad
+        "leader_weight": float(plant.graph.leader_weight[i]),
+        "offset": [float(plant.offset_x[i]), float(plant.offset_y[i])],  # m
+        "neighbours": [j for j, _ in links],
+        "neighbour_namespaces": [names[j] for j, _ in links],
+        "neighbour_weights": [weight for _, weight in links],
+        "psi_mean": float(psi.mean),
+        "psi_frequency": float(psi.frequency),  # rad/s
+        "psi_sin": [scale * float(value) for value in psi.sin],
+        "psi_cos": [scale * float(value) for value in psi.cos],
+        **origin,
+    }
+    # ROS takes no empty list: the node's default stands for it.
+    return {key: _yaml(value) for key, value in values.items() if value != []}
+
+
+def _yaml(value: Any) -> str:
+    if isinstance(value, list):
+        return "[" + ", ".join(map(_yaml, value)) + "]"
+    if isinstance(value, float):
+        text = repr(value)  # ROS tells a double by its point
+        return text if "." in text else text.replace("e", ".0e")
+    return yaml_text(value) if isinstance(value, str) else str(value)

@@ -1,0 +1,1 @@
+"""report.html: one page of all that lies in an output folder."""

@@ -1,0 +1,1 @@
+"""The proof report in JSON, Markdown, HTML and LaTeX."""

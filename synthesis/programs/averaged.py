@@ -1,0 +1,227 @@
+"""The averaged program: structured scalars that settle the fleet soonest near the goal, by CasADi and IPOPT.
+
+In the modes U of D^-1 L_l (U^T D U = 1) the responses of THEORY section 3 to a tone w of amplitude A are explicit in
+the six scalars. For y = U eta, with lambda the eigenvalues,
+
+    b = D U (lambda eta),  Theta = h A U (lambda eta / (lambda - mu_omega w^2 + i c w)),
+    X = -U (U^T (Theta b) / (lambda - mu_v w^2 + i e w)),  c(y) = -1/2 sum over tones of Re(conj(Theta) i w X).
+
+The slowest direction sets the tail: the program maximises kappa, the least decay over a set of directions around the
+slowest mode, and adds the times that the approach and the two exponential channels take.
+"""
+
+from __future__ import annotations
+
+import logging
+import math
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING, Any
+
+import casadi as ca
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.algebra.ops import casadi_column
+from ...models.conditions import ConditionData, ConditionSet, casadi_numbers
+from ...models.equations import Plant
+from ...models.errors import last_line
+from ...models.excitation import Excitation
+from ..modes import Modes, modes
+from ..scaled_gains import INWARD, Scalars, structured
+
+if TYPE_CHECKING:
+    from ..design import Task
+
+Floats = NDArray[np.float64]
+Optimum = tuple[Scalars, float]  # with its predicted settling time, s
+LOG = logging.getLogger(__name__)
+
+LARGE = 200  # vehicles; beyond, one local optimum has to do
+TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
+SOLVE_SECONDS = 120.0  # of wall clock for IPOPT from one start: a busy machine takes some seconds
+MOST_ITERATIONS = 120  # of IPOPT from one start: whoever needs more reports no optimum or one that other starts find
+TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
+SLACK = 1e-3  # of a logarithm, by which an optimum may lie outside its bounds
+LARGEST = 50.0  # logarithm of a time in s that can be meant
+STARTS = (
+    Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 0.7),
+    Scalars(0.05, 0.3, 1.0, 0.05, 0.3, 1.0),
+    Scalars(3.0, 2.2, 1.0, 5.0, 0.6, 0.25),
+    Scalars(0.01, 0.1, 1.0, 0.01, 0.1, 1.2),
+)
+
+
+def local_optima(task: Task, distance: float, executor: Executor | None = None) -> list[Optimum]:
+    """The different local optima that IPOPT reports from several starts, each with its predicted settling time in s.
+
+    `distance` (m) is how far the fleet starts from its goal. The programs are solved by the executor, if there is one.
+    """
+    programs = [(task, distance, constants) for constants in _time_constants(task)]
+    optima: list[Optimum] = []
+    for found, trouble in executor.map(_solved, programs) if executor else map(_solved, programs):
+        if trouble:
+            LOG.warning("averaged program: broken off: %s", trouble)
+        for optimum in found:
+            if not any(np.allclose(optimum[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
+                optima.append(optimum)
+    if not optima:
+        LOG.warning("averaged program: left out, because IPOPT reports no optimum")
+    return optima
+
+
+def _time_constants(task: Task) -> tuple[float, ...]:
+    return TIME_CONSTANTS[1:2] if len(task.fleet) > LARGE else TIME_CONSTANTS
+
+
+def _solved(program: tuple[Task, float, float]) -> tuple[list[Optimum], str]:
+    """What IPOPT finds from the starts, of a large fleet the first alone, and what broke it off, if something did."""
+    task, distance, constants = program
+    found: list[Optimum] = []
+    try:
+        averaged = AveragedProgram(task, distance=distance, time_constants=constants)
+        for start in STARTS:
+            if optimum := averaged.solve(start):
+                found.append(optimum)
+                if len(task.fleet) > LARGE:
+                    break
+    except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
+        return found, last_line(error)
+    return found, ""
+
+
+class AveragedProgram:
+    """Minimises the predicted settling time over the logarithms of the scalars and of the two exponential rates."""
+
+    def __init__(
+        self,
+        task: Task,
+        *,
+        distance: float,
+        time_constants: float,
+    ) -> None:
+        """Build the program once; `solve` runs it from a start."""
+        plant, tolerance = task.plant, task.tolerance
+        logs = ca.MX.sym("logs", 10)
+        *values, gamma_omega, gamma_v, kappa, reach = ca.vertsplit(ca.exp(logs))
+        scalars = Scalars(*values)
+        slow = modes(plant.graph)
+        flow = _Flow(slow, plant.graph.degree, task.excitation, scalars)
+        # |y|' = -kappa |y|^3 takes 1 / (2 kappa reach^2) down to |y| = reach; the heading's swing has to settle too.
+        time = (
+            1 / (2 * kappa * reach**2) + _approach(scalars, distance) + time_constants * (1 / gamma_omega + 1 / gamma_v)
+        )
+        slowest = float(slow.eigenvalues[0])
+        rows = [
+            1 - reach / tolerance.position,
+            1 - reach * flow.swing() / tolerance.heading,
+            scalars.c - 2 * gamma_omega * scalars.mu_omega,
+            slowest - gamma_omega * scalars.c + gamma_omega**2 * scalars.mu_omega,
+            scalars.e - 2 * gamma_v * scalars.mu_v,
+            slowest - gamma_v * scalars.e + gamma_v**2 * scalars.mu_v,
+            *(flow.decay(direction) / kappa - 1 for direction in _directions(len(slow.eigenvalues))),
+            *_conditions(plant, task.limits, task.conditions, scalars),
+        ]
+        options = {
+            "ipopt": {
+                "print_level": 0,
+                "sb": "yes",
+                "max_iter": MOST_ITERATIONS,
+                "tol": 1e-4,
+                "max_wall_time": SOLVE_SECONDS,
+            },
+            "print_time": False,
+            "error_on_fail": False,
+        }
+        self._solver = ca.nlpsol("averaged", "ipopt", {"x": logs, "f": ca.log(time), "g": ca.vertcat(*rows)}, options)
+        low, high = np.log(task.tempo_range)
+        self._lower = np.array([*[-9.0] * 5, low, -9.0, -9.0, -12.0, -9.0])
+        self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
+
+    def solve(self, start: Scalars) -> Optimum | None:
+        """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one.
+
+        What it calls an optimum but lies outside its bounds is none. Raises RuntimeError where IPOPT breaks down or the
+        clock runs out.
+        """
+        x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)
+        solution = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=math.inf)
+        stats = self._solver.stats()
+        if stats["return_status"] == "Maximum_WallTime_Exceeded":
+            raise RuntimeError(f"IPOPT found no answer within {SOLVE_SECONDS:g} s")
+        found, value = np.asarray(solution["x"]).ravel(), float(solution["f"])
+        inside = np.all((self._lower - SLACK <= found) & (found <= self._upper + SLACK))  # NaN is not
+        if not stats["success"] or not inside or not abs(value) < LARGEST:
+            return None
+        return Scalars.from_logarithms(found[:6]), math.exp(value)
+
+
+class _Flow:
+    """The averaged cross-track flow in the slow modes, over CasADi."""
+
+    def __init__(self, slow: Modes, degree: Floats, excitation: Excitation, scalars: Scalars) -> None:
+        self._U, self._values, self._degree = ca.DM(slow.vectors), ca.DM(slow.eigenvalues), ca.DM(degree)
+        self._tones = [(scalars.tempo * w, abs(phasor)) for w, phasor in excitation.phasors()]
+        self._scalars = scalars
+
+    def _heading(self, eta: Any, w: Any, amplitude: float) -> tuple[Any, Any]:
+        """Theta, real and imaginary, (N,)."""
+        s = self._scalars
+        real, imaginary = self._values - s.mu_omega * w**2, s.c * w
+        drive = s.h * amplitude * self._values * eta / (real**2 + imaginary**2)
+        return self._U @ (drive * real), -self._U @ (drive * imaginary)
+
+    def swing(self) -> Any:
+        """The largest heading swing of the slowest mode, rad per m of its largest error."""
+        s, slowest = self._scalars, self._values[0]
+        gains = (amplitude / ca.hypot(slowest - s.mu_omega * w**2, s.c * w) for w, amplitude in self._tones)
+        return s.h * slowest * sum(gains)
+
+    def decay(self, eta: Any) -> Any:
+        """The coefficient of |y|' = -kappa |y|^3 at y = U eta, |y| being the root mean square over the degrees."""
+        s, U = self._scalars, self._U
+        b = self._degree * (U @ (self._values * eta))
+        c = 0
+        for w, amplitude in self._tones:
+            theta = self._heading(eta, w, amplitude)
+            real, imaginary = self._values - s.mu_v * w**2, s.e * w
+            size = real**2 + imaginary**2
+            push = [U.T @ (part * b) for part in theta]
+            # X = -U (push / (real + i imaginary)); Re(conj(Theta) i w X) = w (Theta_im X_re - Theta_re X_im)
+            x_real = -U @ ((push[0] * real + push[1] * imaginary) / size)
+            x_imaginary = -U @ ((push[1] * real - push[0] * imaginary) / size)
+            c = c - w * (theta[1] * x_real - theta[0] * x_imaginary) / 2
+        square = ca.sumsqr(eta)  # y^T D y
+        return ca.dot(U @ eta, self._degree * c) * ca.sum1(self._degree) / square**2
+
+
+def _directions(count: int) -> list[Any]:
+    """Every mode, and the slowest leaning towards each other one on either side; in modes."""
+    slowest, *others = np.eye(count)
+    leaning = [slowest + sign * TILT * other for other in others for sign in (1, -1)]
+    return [ca.DM(direction) for direction in (slowest, *others, *leaning)]
+
+
+def _approach(scalars: Scalars, distance: float) -> Any:
+    """About the time from `distance` under saturated errors, s: swings with friction e, or the terminal speed."""
+    swings = 2 * ca.sqrt(2 * distance * scalars.mu_v) * (1 + 1 / scalars.e)
+    return swings + distance * scalars.e
+
+
+def _conditions(plant: Plant, limits: ConditionData, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
+    """Every condition as an expression that must be >= 0, relative to its large side, for every kind of vehicle.
+
+    With structured gains the degree cancels in each of them: vehicles of one kind share their conditions.
+    """
+    kinds = np.stack([plant.m, plant.inertia, limits.r, limits.arm, limits.torque, limits.speed, limits.turn_rate])
+    _, first = np.unique(kinds, axis=1, return_index=True)
+
+    def of_each_kind(values: Any) -> Any:
+        return casadi_column(values[first] if np.ndim(values) else values)
+
+    numbers = limits.map(of_each_kind)
+    gains = structured(scalars, of_each_kind(plant.m), of_each_kind(plant.inertia), numbers.degree)
+    inequalities = [
+        condition(casadi_numbers(), numbers, gains)
+        for condition in (conditions.torque, *conditions.homogeneous(limits))
+    ]
+    return [INWARD - inequality.small / inequality.large for inequality in inequalities]

@@ -1,0 +1,141 @@
+"""The closed loop (13)-(14), compiled: many fleets side by side, each with its own gains and frequency of psi."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import fields, replace
+from fractions import Fraction
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import casadi as ca
+import numpy as np
+
+from ...models.equations import Plant, State, closed_loop
+from ...models.excitation import Excitation
+from ...models.gains import GAIN_NAMES, Gains
+from ...models.graph import Graph
+from .compiler import At, Compiled, LoopNest, Single, compiled, pointer, single_ops
+from .runge_kutta import Array, Problem, Rate
+
+PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
+COORDINATES = 3  # x, y and theta, of which the graph compares those of neighbours
+
+
+class ClosedLoop:
+    """(13)-(14) for one plant and psi of any frequency."""
+
+    def __init__(self, plant: Plant, excitation: Excitation) -> None:
+        self._graph = plant.graph.map(lambda weights: np.asarray(weights, dtype=Single))
+        self._numbers = rows([getattr(plant, name) for name in PLANT], plant.graph.vehicles)
+        self._loops = _loops(replace(excitation, frequency=Fraction(1)))
+
+    def problem(self, gains: Array, frequency: Array) -> Problem:
+        """The rates (5, N, B) of states (5, N, B), under gains (5, N, B) of singles and frequencies (B,), rad/s."""
+        graph, (vehicles, width) = self._graph, gains.shape[1:]
+        turns, sums = np.empty(width, Single), np.empty((COORDINATES, vehicles, width), Single)
+        turning = frequency / (2 * math.pi)
+        shared = {
+            "gains": gains,
+            "plant": self._numbers,
+            "weight": graph.weight,
+            "leader_weight": graph.leader_weight,
+            "turns": turns,
+            "psi": np.empty(width, Single),
+            "z": np.empty_like(sums),
+            "sums": sums,
+        }
+        pointers = {name: pointer(array) for name, array in shared.items()}
+        ends = [pointer(row, np.int64) for row in (graph.tail, graph.head)]
+
+        def problem(state: Array, rates: Array) -> Rate:
+            arrays = {**pointers, "state": pointer(state), "rates": pointer(rates)}
+            excite = self._loops["excitation"].bind(1, width, arrays)
+            place = self._loops["coordinates"].bind(vehicles, width, arrays)
+            couple = self._loops["edges"].bind(graph.edges, width, arrays, ends, vehicles)
+            move = self._loops["vehicles"].bind(vehicles, width, arrays)
+
+            def rate(t: Array) -> None:
+                # Many turns have no digits left in single precision.
+                periods = t * turning
+                turns[...] = periods - np.floor(periods)
+                sums[...] = 0
+                excite(), place(), couple(), move()
+
+            return rate
+
+        return problem
+
+
+def rows(values: Sequence[Any], items: int) -> Array:
+    """Numbers of every item, or one for all, as singles (values, items)."""
+    return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
+
+
+@lru_cache(maxsize=16)
+def _loops(excitation: Excitation) -> dict[str, Compiled]:
+    """(13)-(14) in loops over the columns, the vehicles and the edges."""
+    symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
+    coordinates: list[Any] = []
+    between: list[Any] = []
+    differences, sums = symbol("differences", COORDINATES), symbol("sums", COORDINATES)
+
+    def edge_difference(_: Graph, z: Any) -> Any:
+        coordinates.append(z)
+        return differences[len(coordinates) - 1]
+
+    def edge_sum(_: Graph, f: Any) -> Any:
+        between.append(f)
+        return sums[len(between) - 1]
+
+    ops = replace(single_ops(), edge_difference=edge_difference, edge_sum=edge_sum)
+    weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
+    numbers, gains, state = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
+    nobody = np.zeros(0, dtype=np.int64)
+    plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
+    known = _Known(psi)
+    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains)), known, turns, State(*ca.vertsplit(state)))  # type: ignore[arg-type]
+    z_tail, z_head = symbol("z_tail", COORDINATES), symbol("z_head", COORDINATES)
+    at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
+    force = ca.substitute(ca.vertcat(*between), differences, z_tail - z_head)
+    return compiled(
+        {
+            "excitation": LoopNest(
+                ca.Function("f", [turns], [excitation.value(ops, 2 * math.pi * turns)]),
+                [("turns", column)],
+                [("psi", column)],
+            ),
+            "coordinates": LoopNest(
+                ca.Function("f", [state, numbers], [ca.vertcat(*coordinates)]),
+                [("state", each), ("plant", item)],
+                [("z", each)],
+            ),
+            "edges": LoopNest(
+                ca.Function("f", [z_tail, z_head, weight, at_tail, at_head], [at_tail + force, at_head - force]),
+                [("z", At.TAIL), ("z", At.HEAD), ("weight", item), ("sums", At.TAIL), ("sums", At.HEAD)],
+                [("sums", At.TAIL), ("sums", At.HEAD)],
+            ),
+            "vehicles": LoopNest(
+                ca.Function("f", [state, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
+                [
+                    ("state", each),
+                    ("plant", item),
+                    ("leader_weight", item),
+                    ("gains", each),
+                    ("psi", column),
+                    ("sums", each),
+                ],
+                [("rates", each)],
+            ),
+        }
+    )
+
+
+class _Known(NamedTuple):
+    """An excitation whose value is known."""
+
+    psi: Array
+
+    def value(self, *_: object) -> Array:
+        return self.psi

@@ -1,0 +1,1 @@
+"""The search in the time domain: exploration, CMA-ES runs, halving, final ranking."""

@@ -1,0 +1,271 @@
+"""The command line: its files, exit codes, messages and what it does not load."""
+
+import csv
+import json
+import resource
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from gaincert.workflows import _variants
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = ROOT / "examples"
+HEAVY = ("casadi", "cvxpy", "clarabel", "sympy", "matplotlib", "jax")
+
+
+def gaincert(*arguments: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "gaincert", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, cwd=cwd)
+
+
+@pytest.fixture(scope="module")
+def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The paper's fleet through the whole pipeline."""
+    folder = tmp_path_factory.mktemp("run")
+    done = gaincert("run", EXAMPLES / "paper.toml", "-o", folder, "--json")
+    assert done.returncode == 0, done.stderr
+    (folder / "stdout.json").write_text(done.stdout)
+    return folder
+
+
+@pytest.mark.slow
+def test_run_leaves_every_file_of_the_contract(out: Path) -> None:
+    for name in ("design.json", "gains.csv", "certificate.json", "proof.json", "proof.md", "proof.html", "proof.tex"):
+        assert (out / name).stat().st_size > 0, name
+    for name in ("trajectory.npz", "summary.json", "report.html"):
+        assert (out / name).stat().st_size > 0, name
+    for name in ("paths", "poses", "torques", "energies"):
+        assert (out / "figures" / f"{name}.svg").read_bytes().startswith(b"<?xml")
+        assert (out / "figures" / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+    assert not [path.name for path in out.rglob(".*")]  # no temporary file is left
+
+
+@pytest.mark.slow
+def test_run_prints_one_document_and_the_fleet_settles(out: Path) -> None:
+    document = json.loads((out / "stdout.json").read_text())
+    summary = json.loads((out / "summary.json").read_text())
+    assert document["summary"] == summary
+    assert summary["settling_time_s"] < 600
+    assert summary["peak_torque_ratio"] < 1
+    assert summary["max_V_increase"] < 1e-9
+    assert document["certificate"]["valid"]
+
+
+@pytest.mark.slow
+def test_gains_csv_and_design_json_agree_and_can_be_read_back(out: Path) -> None:
+    design = json.loads((out / "design.json").read_text())
+    with (out / "gains.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [row["vehicle"] for row in rows] == design["vehicles"]
+    for key, column in design["gains"].items():
+        assert [row[key] for row in rows] == column
+    for row in rows:
+        assert float(row["torque_bound"]) <= float(row["torque_limit"])
+        assert float(row["margin"]) >= 0
+    runs = []
+    (out / "psi.toml").write_text((EXAMPLES / "paper.toml").read_text() + excitation_table(design["excitation"]))
+    for fleet, gains in ((EXAMPLES / "paper.toml", "design.json"), (out / "psi.toml", "gains.csv")):
+        done = gaincert("simulate", fleet, "--gains", out / gains, "-o", out / gains[:4], "--horizon", 30, "--json")
+        assert done.returncode == 0, done.stderr
+        runs.append(json.loads(done.stdout))
+    assert runs[0]["final_position_error_m"] == runs[1]["final_position_error_m"]
+
+
+def excitation_table(table: dict[str, object]) -> str:
+    return "\n[excitation]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
+
+
+@pytest.mark.slow
+def test_the_certificate_verifies_and_belongs_to_its_fleet(out: Path) -> None:
+    certificate = out / "certificate.json"
+    assert gaincert("verify", certificate).returncode == 0
+    assert gaincert("verify", certificate, "--fleet", EXAMPLES / "paper.toml").returncode == 0
+    other = gaincert("verify", certificate, "--fleet", EXAMPLES / "mixed_ring.toml")
+    assert other.returncode == 1
+    assert "not of the fleet" in other.stdout
+    alone = subprocess.run(
+        [sys.executable, "-I", ROOT / "verify" / "kernel.py", certificate], capture_output=True, text=True, check=False
+    )
+    assert alone.returncode == 0, alone.stdout + alone.stderr
+
+
+@pytest.mark.slow
+def test_trajectory_has_the_arrays_of_the_contract(out: Path) -> None:
+    with np.load(out / "trajectory.npz", allow_pickle=False) as run:
+        count = len(run["t"])
+        for name in ("x", "y", "theta", "v", "omega", "tau_left", "tau_right"):
+            assert run[name].shape == (count, 6)
+        assert run["V"].shape == run["W"].shape == (count,)
+
+
+def test_the_papers_gains_are_certified_under_its_own_conditions_only(tmp_path: Path) -> None:
+    gains = EXAMPLES / "paper_gains.toml"
+    good = gaincert("certify", EXAMPLES / "paper.toml", "--gains", gains, "-o", tmp_path)
+    assert good.returncode == 0, good.stderr
+    assert (tmp_path / "certificate.json").exists()
+    bad = gaincert(
+        "certify", EXAMPLES / "paper.toml", "--gains", gains, "-o", tmp_path / "bad", "--conditions", "rate-bounded"
+    )
+    assert bad.returncode == 1
+    assert "vehicle 'v2'" in bad.stdout
+    assert "(15')" in bad.stdout
+    assert not (tmp_path / "bad" / "certificate.json").exists()
+
+
+def test_simulate_of_the_unbounded_scheme_reports_its_torques_without_failing(tmp_path: Path) -> None:
+    done = gaincert(
+        "simulate",
+        EXAMPLES / "paper.toml",
+        "--gains",
+        EXAMPLES / "paper_gains.toml",
+        "--scheme",
+        "unbounded",
+        "--horizon",
+        5,
+        "-o",
+        tmp_path,
+        "--json",
+    )
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["peak_torque_ratio"] > 7
+
+
+@pytest.mark.parametrize("template", ["paper", "line", "ring", "turtlebot3"])
+def test_init_writes_what_check_accepts(template: str, tmp_path: Path) -> None:
+    fleet = tmp_path / "fleet.toml"
+    assert gaincert("init", fleet, "--template", template).returncode == 0
+    done = gaincert("check", fleet, "--json")
+    assert done.returncode == 0
+    assert json.loads(done.stdout)["vehicles"] in (5, 6)
+    again = gaincert("init", fleet)
+    assert again.returncode == 2
+    assert "already there" in again.stderr
+
+
+@pytest.mark.parametrize("example", sorted(path.name for path in EXAMPLES.glob("*.toml") if "gains" not in path.name))
+def test_every_example_is_a_fleet(example: str) -> None:
+    assert gaincert("check", EXAMPLES / example).returncode == 0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "message"),
+    [
+        (["check", "absent.toml"], 2, "absent.toml: cannot be read"),
+        (["check", EXAMPLES], 2, "cannot be read"),
+        (["design", EXAMPLES / "paper.toml", "-o", "x", "--conditions", "none"], 2, "none"),
+        (["design", EXAMPLES / "paper.toml", "-o", "x", "--excitation", "given"], 2, "no [excitation] table"),
+        (["simulate", EXAMPLES / "paper.toml", "--gains", "absent.csv", "-o", "x"], 2, "absent.csv"),
+        (["simulate", EXAMPLES / "paper.toml", "--gains", "gains.txt", "-o", "x"], 2, ".toml"),
+        (
+            ["certify", EXAMPLES / "mixed_ring.toml", "--gains", EXAMPLES / "paper_gains.toml", "-o", "x"],
+            2,
+            "10 numbers",
+        ),
+        (["verify", EXAMPLES / "paper.toml"], 2, "paper.toml"),
+        (["report", "absent"], 2, "absent"),
+        (["design", EXAMPLES / "paper.toml", "-o", "x", "--tolerance", "-1", "0.1"], 2, "--tolerance -1 0.1"),
+    ],
+)
+def test_bad_input_is_one_message_and_never_a_traceback(
+    arguments: list[object], code: int, message: str, tmp_path: Path
+) -> None:
+    done = gaincert(*arguments, cwd=tmp_path)
+    assert done.returncode == code
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not list(tmp_path.iterdir())  # nothing is left behind
+
+
+def test_an_infeasible_fleet_is_exit_3(tmp_path: Path) -> None:
+    text = (EXAMPLES / "turtlebot3_line.toml").read_text().replace("v = 0,", "v = 1,", 1)
+    (tmp_path / "fast.toml").write_text(text)
+    done = gaincert("design", tmp_path / "fast.toml", "-o", tmp_path / "out")
+    assert done.returncode == 3
+    assert "vehicle 'v1': start v = 1 is beyond its certified limit 0.22" in done.stderr
+
+
+def test_no_folder_can_be_made_where_a_file_is(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    arguments = ["simulate", EXAMPLES / "paper.toml", "--gains", EXAMPLES / "paper_gains.toml", "--horizon", 1]
+    done = gaincert(*arguments, "-o", tmp_path / "file" / "out")
+    assert done.returncode == 2
+    assert "cannot be written" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["check", str(EXAMPLES / "paper.toml")], ["verify", "--help"]])
+def test_light_verbs_load_no_solver_no_sympy_and_no_plotting(arguments: list[str]) -> None:
+    script = (
+        "import sys\nsys.argv = ['gaincert', *sys.argv[1:]]\n"
+        "from gaincert.cli import main\n"
+        "try:\n    main()\nexcept SystemExit as end:\n    assert not end.code, end.code\n"
+        f"print('LOADED', [name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", script, *arguments], capture_output=True, text=True, check=True)
+    assert done.stdout.strip().endswith("LOADED []")
+
+
+def test_import_gaincert_is_light() -> None:
+    script = f"import gaincert, sys; print([n for n in {(*HEAVY, 'numpy', 'pydantic')!r} if n in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert done.stdout.strip() == "[]"
+
+
+def test_help_takes_less_than_ten_times_bare_python() -> None:
+    """Processor time, the best of some interleaved runs of each, so that a busy machine does not decide."""
+
+    def seconds(*arguments: str) -> float:
+        begin = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run([sys.executable, *arguments], check=True, capture_output=True)
+        end = resource.getrusage(resource.RUSAGE_CHILDREN)
+        return end.ru_utime - begin.ru_utime + end.ru_stime - begin.ru_stime
+
+    pairs = [(seconds("-m", "gaincert", "--help"), seconds("-c", "pass")) for _ in range(7)]
+    assert min(pair[0] for pair in pairs) < 10 * min(pair[1] for pair in pairs)
+
+
+def test_a_sampled_simulation_is_reported_against_the_nominal_one(tmp_path: Path) -> None:
+    gains = EXAMPLES / "paper_gains.toml"
+    options = ("--sample-time", "0.02", "--horizon", "10", "--json")
+    done = gaincert("simulate", EXAMPLES / "paper.toml", "--gains", gains, "-o", tmp_path, *options)
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    assert summary == json.loads((tmp_path / "summary.json").read_text())
+    assert summary["disturbance"] == {"sample_time": 0.02}
+    apart = abs(summary["final_position_error_m"] - summary["nominal"]["final_position_error_m"])
+    assert 0 < apart < 0.1
+    with np.load(tmp_path / "trajectory.npz", allow_pickle=False) as stored:
+        assert stored["x"].shape == (100, 6)
+
+
+@pytest.mark.slow
+def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Path) -> None:
+    fleet = tmp_path / "fleet.toml"
+    assert gaincert("init", fleet, "--template", "line", "--vehicles", "1").returncode == 0
+    gains = tmp_path / "mine.toml"
+    gains.write_text("p_v = 0.4\nd_v = 1\np_omega = 0.1\nd_omega = 0.3\nk_alpha = 0.1\n")
+    options = ("--conditions", "corrected", "--against", gains, "--json")
+    done = gaincert("design", fleet, "-o", tmp_path / "out", *options)
+    assert done.returncode == 2  # gains need the psi that they are for
+    assert not (tmp_path / "out").exists()
+    gains.write_text(gains.read_text() + '[excitation]\nfamily = "harmonics"\nfrequency = 1\nsin = [1]\n')
+    done = gaincert("design", fleet, "-o", tmp_path / "out", *options)
+    assert done.returncode == 0, done.stderr
+    rows = json.loads(done.stdout)["compared"]
+    assert [row["name"] for row in rows] == ["this design", "mine"]
+    assert rows[0]["settled"] == "20 of 20"
+    assert (tmp_path / "out" / "mine" / "validation.json").is_file()
+
+
+@pytest.mark.parametrize("given", [True, False])
+def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) -> None:
+    fleet = SimpleNamespace(psi=object() if given else None)
+    made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None)
+    variants = [tuple(choice.values()) for choice in _variants(fleet, made)]
+    assert len(set(variants)) == len(variants) == (11 if given else 5)
+    assert ("paper", "designed", "given") not in variants
+    assert any(choice[1] == "given" for choice in variants) == given

@@ -1,0 +1,432 @@
+"""A solver that fails or hangs leads to the next method and a line for the reader, never to a wrong design."""
+
+import json
+import logging
+import math
+import os
+import signal
+import sys
+import time
+from concurrent.futures import Executor, Future
+from pathlib import Path
+from typing import Any
+
+import casadi as ca
+import cma
+import cvxpy as cp
+import numpy as np
+import pytest
+from gaincert import cli
+from gaincert import parallel as dispatch
+from gaincert.console import Printer
+from gaincert.models.conditions import condition_set
+from gaincert.models.equations import State, closed_loop
+from gaincert.models.errors import UndecidedError
+from gaincert.models.files.fleet_file import load_fleet as load
+from gaincert.models.files.templates import template_text
+from gaincert.models.fleet import Fleet
+from gaincert.models.gains import GAIN_NAMES, Gains
+from gaincert.models.paper import paper_fleet, paper_gains
+from gaincert.models.tolerance import Tolerance
+from gaincert.synthesis import design as design_module
+from gaincert.synthesis import rates
+from gaincert.synthesis.design import Design, design, prepare
+from gaincert.synthesis.programs import averaged
+from gaincert.synthesis.programs import channels as convex
+from gaincert.synthesis.programs import convex as program
+from gaincert.synthesis.programs.excitation import flat_tones
+from gaincert.synthesis.programs.weights import SPREAD, design_weights
+from gaincert.synthesis.rollouts import closed_loop as compiled_loop
+from gaincert.synthesis.rounding import rounded
+from gaincert.synthesis.search import search as search_module
+from gaincert.verify.simulation import cvodes as rollout
+from gaincert.verify.simulation.simulate import simulate
+
+from tests.campaigns import faults
+
+PSI = '[excitation]\nfamily = "harmonics"\nfrequency = 1\nmean = 0\nsin = [1]\n'
+
+
+@pytest.fixture
+def fleet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Fleet:
+    """Two robots with a psi of their own; what is done with the candidates is kept short."""
+    monkeypatch.setattr(design_module, "RANKING_STARTS", 1)
+    monkeypatch.setattr(design_module, "FINAL_STARTS", 1, raising=False)
+    monkeypatch.setattr(search_module, "GENERATIONS", 1)
+    monkeypatch.setattr(search_module, "SHORT_STARTS", 1)
+    path = tmp_path / "fleet.toml"
+    path.write_text(template_text("line", 2) + "\n" + PSI)
+    return load(path)
+
+
+def designed(fleet: Fleet) -> Design:
+    """A design under (16*); its exact conditions hold, whatever the solvers did."""
+    made = design(fleet, conditions="corrected")
+    assert all(np.all(inequality.holds) for inequality in made.inequalities())
+    assert all(value > 0 for name in GAIN_NAMES for value in getattr(made.gains, name))
+    return made
+
+
+def task_of(fleet: Fleet) -> Any:
+    return prepare(fleet, "corrected", None, 0, 4, Tolerance())
+
+
+# -- Clarabel ---------------------------------------------------------------------------------------------------------
+
+SOLVE = cp.Problem.solve
+
+
+def values(number: float) -> Any:
+    """A solve that ends as optimal, with one number for all variables."""
+
+    def solve(problem: Any, **options: Any) -> None:
+        SOLVE(problem, **options)
+        problem._status = cp.OPTIMAL
+        for variable in problem.variables():
+            variable.save_value(np.full(variable.shape, number))
+
+    return solve
+
+
+def error(kind: type[Exception]) -> Any:
+    def solve(*_: Any, **_options: Any) -> None:
+        raise kind("the solver broke down")
+
+    return solve
+
+
+def status(name: str) -> Any:
+    def solve(problem: Any, **_options: Any) -> None:
+        problem._status = name
+
+    return solve
+
+
+CLARABEL = {
+    "solver error": error(cp.SolverError),
+    "other error": error(ZeroDivisionError),
+    "infeasible": status(cp.INFEASIBLE),
+    "inaccurate": status(cp.OPTIMAL_INACCURATE),
+    "out of time": status(cp.USER_LIMIT),
+    "optimal without values": status(cp.OPTIMAL),
+    "nan": values(math.nan),
+    "infinite": values(math.inf),
+    "zero": values(0.0),
+    "negative": values(-3.0),
+    "huge": values(1e9),
+    "tiny": values(1e-9),
+}
+
+
+@pytest.fixture(params=CLARABEL)
+def clarabel(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setattr(cp.Problem, "solve", CLARABEL[request.param])
+    return str(request.param)
+
+
+def test_without_clarabel_the_averaged_program_takes_over(
+    clarabel: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
+) -> None:
+    candidates, _ = design_module._candidates(task_of(fleet))
+    assert "averaged program" in {candidate.origin for candidate in candidates}
+    for candidate in candidates:
+        conditions = condition_set("corrected")
+        exact = rounded(conditions, task_of(fleet).exact, candidate.gains.map(lambda g: g.astype(float)), 6)
+        assert all(value > 0 for name in GAIN_NAMES for value in getattr(exact, name))
+    if clarabel not in ("huge", "tiny"):  # gains that are slow, but within the conditions
+        assert "convex programs" not in {candidate.origin for candidate in candidates}
+        assert "convex programs: left out" in caplog.text
+
+
+@pytest.mark.usefixtures("clarabel")
+def test_without_clarabel_there_is_no_psi() -> None:
+    with pytest.raises(UndecidedError):
+        flat_tones()
+
+
+@pytest.mark.usefixtures("clarabel")
+def test_without_clarabel_there_are_no_weights_that_were_not_asked_for() -> None:
+    """Weights that lie outside their range are none; psi and weights have no other method."""
+    given = paper_fleet()
+    try:
+        links = design_weights(given)
+    except UndecidedError:
+        return
+    for (*_, new), (*_, old) in zip(links.edges, given.links.edges, strict=True):
+        assert old / SPREAD / 1.02 <= new <= old * SPREAD * 1.02
+
+
+def test_without_psi_the_command_ends_as_undecided(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(cp.Problem, "solve", error(cp.SolverError))
+    path = tmp_path / "fleet.toml"
+    path.write_text(template_text("line", 2))
+    monkeypatch.setattr(sys, "argv", ["gaincert", "design", str(path), "-o", str(tmp_path / "out")])
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    assert caught.value.code == 4
+    assert capsys.readouterr().err.startswith("error: the program for psi's tones")
+    assert not (tmp_path / "out").exists()
+
+
+# -- IPOPT ------------------------------------------------------------------------------------------------------------
+
+
+class Ipopt:
+    """A solver that answers with one number for all, and says whether that is a success."""
+
+    def __init__(self, number: float, success: bool = True) -> None:
+        self.number, self.success = number, success
+
+    def __call__(self, **_problem: Any) -> dict[str, Any]:
+        return {"x": ca.DM([self.number] * 10), "f": ca.DM(self.number)}
+
+    def stats(self) -> dict[str, Any]:
+        return {"success": self.success, "return_status": "whatever"}
+
+
+class Broken:
+    """An integrator or a solver that raises what CasADi raises."""
+
+    def __call__(self, **_problem: Any) -> Any:
+        raise RuntimeError(".../casadi/core/function_internal.cpp:3393:\nit broke down")
+
+
+IPOPT = {
+    "error": Broken(),
+    "no success": Ipopt(0.0, success=False),
+    "nan": Ipopt(math.nan),
+    "infinite": Ipopt(math.inf),
+    "nonsense": Ipopt(700.0),
+    "other nonsense": Ipopt(-700.0),
+}
+
+
+@pytest.fixture(params=IPOPT)
+def ipopt(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> str:
+    monkeypatch.setattr(averaged.ca, "nlpsol", lambda *_: IPOPT[request.param])
+    return str(request.param)
+
+
+def test_without_ipopt_the_convex_programs_take_over(
+    ipopt: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
+) -> None:
+    candidates, horizon = design_module._candidates(task_of(fleet))
+    assert {candidate.origin for candidate in candidates} == {"convex programs"}
+    assert math.isfinite(horizon)
+    assert "averaged program: left out" in caplog.text
+    assert ("it broke down" in caplog.text) == (ipopt == "error")
+
+
+def test_an_ipopt_that_cannot_be_built_is_left_out(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    monkeypatch.setattr(averaged.ca, "nlpsol", lambda *_: Broken()())
+    assert averaged.local_optima(task_of(fleet), 5.0) == []
+    assert "it broke down" in caplog.text
+
+
+def test_without_any_program_the_closed_form_is_what_is_left(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(averaged.ca, "nlpsol", lambda *_: Broken())
+    monkeypatch.setattr(cp.Problem, "solve", error(cp.SolverError))
+    monkeypatch.setattr(cma, "CMAEvolutionStrategy", error(RuntimeError))
+    assert designed(fleet).origin == "closed form"
+
+
+# -- the integrators ---------------------------------------------------------------------------------------------------
+
+
+def test_gains_that_the_integrator_gives_up_on_count_as_never_settled(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def broken(*arguments: Any) -> State:
+        return State(*(math.nan * column for column in closed_loop(*arguments)))
+
+    monkeypatch.setattr(compiled_loop, "_loops", compiled_loop._loops.__wrapped__)
+    monkeypatch.setattr(compiled_loop, "closed_loop", broken)
+    assert set(designed(fleet).settling) == {math.inf}
+
+
+def test_without_cvodes_nothing_is_decided(psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(rollout.ca, "integrator", lambda *_: Broken()())
+    with pytest.raises(UndecidedError, match="cannot be built: it broke down"):
+        simulate(paper_fleet(), paper_gains(), psi_of_paper)
+
+
+# -- CMA-ES -----------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("kind", [RuntimeError, ValueError, FloatingPointError, np.linalg.LinAlgError, AssertionError])
+def test_without_cma_the_programs_candidates_are_ranked(
+    kind: type[Exception], fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    def broken(*_: Any) -> None:
+        raise kind("it broke down")
+
+    monkeypatch.setattr(cma, "CMAEvolutionStrategy", broken)
+    task = task_of(fleet)
+    candidates = [task.candidate("here", design_module.FALLBACK)]
+    found = search_module.search(task, candidates, 100.0, 10.0, True, None, lambda *_: None)
+    assert found == candidates
+    assert f"time-domain search: broken off: {kind.__name__}: it broke down" in caplog.text
+
+
+def test_what_cma_has_found_is_kept_where_it_breaks_down(
+    fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
+) -> None:
+    told, whole = [], cma.CMAEvolutionStrategy.tell
+
+    def tell_once(strategy: Any, points: Any, values: Any) -> None:
+        told.append(min(values))
+        if len(told) > 1:
+            raise ValueError("it broke down")
+        whole(strategy, points, values)
+
+    monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", tell_once)
+    monkeypatch.setattr(search_module, "GENERATIONS", 2)
+    task = task_of(fleet)
+    incumbents = [task.candidate("here", design_module.FALLBACK)]
+    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    assert len(found) > len(incumbents)
+    assert found[-1:] == incumbents
+    assert "time-domain search: broken off: ValueError: it broke down" in caplog.text
+
+
+@pytest.mark.parametrize("failing", [1, 10_000])
+def test_scalars_that_leave_no_gains_are_of_no_use_and_end_nothing(
+    failing: int, fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    task = task_of(fleet)
+    incumbents = [task.candidate("here", design_module.FALLBACK)]
+    made, whole = [], design_module.Task.candidate
+
+    def rounds(task: Any, origin: str, scalars: Any) -> Any:
+        made.append(scalars)
+        if len(made) <= failing:
+            raise UndecidedError("rounding to 4 digits breaks (16*)")
+        return whole(task, origin, scalars)
+
+    monkeypatch.setattr(design_module.Task, "candidate", rounds)
+    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    assert found[-1:] == incumbents
+    assert (len(found) > 1) == (failing == 1)
+
+
+# -- the last gate ----------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf, 0.0, -1.0])
+@pytest.mark.parametrize("name", GAIN_NAMES)
+def test_gains_that_are_not_positive_numbers_are_not_rounded(wrong: float, name: str) -> None:
+    fleet = paper_fleet()
+    columns = {key: getattr(paper_gains(), key).astype(float) for key in GAIN_NAMES}
+    columns[name][2] = wrong
+    with pytest.raises(UndecidedError, match="not positive numbers"):
+        rounded(condition_set("paper"), fleet.condition_data(flat_tones()), Gains(**columns), 4)
+
+
+# -- the clock --------------------------------------------------------------------------------------------------------
+
+
+def test_clarabel_has_a_clock(fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    monkeypatch.setattr(program, "SOLVE_SECONDS", 1e-7)
+    with pytest.raises(UndecidedError, match="within 1e-07 s"):
+        flat_tones()
+    assert convex.convex_designs(task_of(fleet)) == []
+    assert "convex programs: broken off: Clarabel found no answer within 1e-07 s" in caplog.text
+
+
+def test_ipopt_has_a_clock(fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
+    monkeypatch.setattr(averaged, "SOLVE_SECONDS", 1e-7)
+    assert averaged.local_optima(task_of(fleet), 5.0) == []
+    assert "averaged program: broken off: IPOPT found no answer within 1e-07 s" in caplog.text
+
+
+def test_a_tail_has_a_clock(paper: Fleet, psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    track = rates.CrossTrack(paper.plant(), paper_gains().map(lambda g: g.astype(float)), psi_of_paper)
+    assert track.time_to(np.ones(6), 0.5, 0.5)[0] < math.inf
+    monkeypatch.setattr(rates, "TAIL_SECONDS", 0.0)
+    late, kappa = track.time_to(np.ones(6), 0.5, 0.5)
+    assert late == math.inf
+    assert kappa > 0
+
+
+def test_a_worker_that_hangs_is_ended(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(dispatch, "JOB_SECONDS", 5)
+    begin = time.monotonic()  # the whole is waited for twice as long, so that the alarm comes first
+    with pytest.raises(UndecidedError, match="took more than 5 s"), dispatch.local(1) as (pool, workers):
+        list(dispatch.in_turn(pool, time.sleep, [(300.0,)], workers))
+    assert time.monotonic() - begin < 60
+
+
+def test_a_cluster_that_hangs_is_not_waited_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Endless(Executor):
+        def submit(self, _function: Any, /, *_args: Any, **_kwargs: Any) -> Future[Any]:
+            return Future()
+
+    monkeypatch.setattr(dispatch, "JOB_SECONDS", 0.05)
+    with pytest.raises(UndecidedError, match="no worker was done"):
+        list(dispatch.in_turn(Endless(), time.sleep, [(300.0,)], 1))
+
+
+def test_an_interrupt_does_not_wait_for_the_workers() -> None:
+    begin = time.monotonic()
+    with pytest.raises(KeyboardInterrupt), dispatch.local(1) as (pool, _):
+        running = pool.submit(time.sleep, 300.0)
+        while not running.running():
+            time.sleep(0.01)
+        raise KeyboardInterrupt
+    assert time.monotonic() - begin < 60
+
+
+def test_an_interrupt_does_not_reach_a_worker_that_begins() -> None:
+    """A terminal sends it to all processes, also to one that has not yet set what it does with it."""
+    if not hasattr(signal, "pthread_sigmask"):
+        pytest.skip("no signal masks here")
+    with dispatch.local(1) as (pool, _):
+        running = pool.submit(os.getpid)
+        for pid in list(pool._processes):  # type: ignore[attr-defined]
+            os.kill(pid, signal.SIGINT)
+        assert running.result(60) > 0
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
+
+
+# -- the reader -------------------------------------------------------------------------------------------------------
+
+
+def test_quiet_leaves_warnings_out() -> None:
+    log = logging.getLogger("gaincert.synthesis.design")
+    for quiet, shown in ((True, False), (False, True)):
+        printer = Printer(False, quiet, False)
+        assert printer.silent().quiet
+        assert log.isEnabledFor(logging.WARNING) == shown
+
+
+# -- kills and interrupts ---------------------------------------------------------------------------------------------
+
+GAINS = {
+    "excitation": {"family": "harmonics", "frequency": "1.84", "sin": ["1.2071", "0", "0.2803", "0", "0.0732"]},
+    "gains": {
+        "p_v": ["113.1", "113.1"],
+        "d_v": ["33.97", "33.97"],
+        "p_omega": ["3.47", "3.47"],
+        "d_omega": ["3.306", "3.306"],
+        "k_alpha": ["5.817", "5.817"],
+    },
+}
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are found in /proc")
+def test_kills_and_interrupts_leave_nothing_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The benchmark benchmarks/faults.py for one command, at fixed moments."""
+    monkeypatch.setitem(faults.COMMANDS, "validate", [*faults.COMMANDS["validate"][:-3], "60", "--horizon", "300"])
+    (tmp_path / "gains").mkdir()
+    (tmp_path / "gains" / "design.json").write_text(json.dumps(GAINS))
+    bench = faults.Bench(tmp_path)
+    chosen = {fault.name: fault for fault in faults.FAULTS}
+    for name, code in (("SIGKILL, the parent", -9), ("SIGINT, all processes", 130)):
+        found = bench.hit("validate", chosen[name], 0.6)
+        assert found.clean, found
+        assert (found.hit, found.code) == (True, code)

@@ -1,0 +1,144 @@
+"""The documentation: its code runs, its links lead somewhere, and it builds without a warning."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from gaincert.models.files.fleet_file import load_fleet as load
+from gaincert.models.files.gains_file import load_gains
+from gaincert.models.paper import paper_fleet
+
+ROOT = Path(__file__).parents[2]
+PAGES = sorted((ROOT / "docs").glob("*.md"))
+BLOCK = re.compile(r"^```(\w+)\n(.*?)^```$", re.MULTILINE | re.DOTALL)
+LINK = re.compile(r"\]\(([^)#\s]*)(#[^)\s]*)?\)")
+
+
+def blocks(page, language):
+    return [text for kind, text in BLOCK.findall(page.read_text()) if kind == language]
+
+
+def having(language):
+    return [pytest.param(page, id=page.name) for page in PAGES if blocks(page, language)]
+
+
+@pytest.fixture
+def shell(tmp_path):
+    """A shell in an empty folder where `gaincert` is the one that is tested."""
+    programs = tmp_path / "bin"
+    programs.mkdir()
+    script = programs / "gaincert"
+    script.write_text(f'#!/bin/sh\nexec {sys.executable} -m gaincert "$@"\n')
+    script.chmod(0o755)
+    work = tmp_path / "work"
+    work.mkdir()
+    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
+
+    def run(*command):
+        done = subprocess.run(command, cwd=work, env=environment, capture_output=True, text=True, check=False)
+        assert done.returncode == 0, f"{command}\n{done.stdout}\n{done.stderr}"
+        return work
+
+    return run
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("make") is None, reason="no C compiler")
+@pytest.mark.parametrize("page", having("sh"))
+def test_shell_blocks_run_one_after_the_other(page, shell):
+    work = shell("sh", "-e", "-c", "\n".join(blocks(page, "sh")))
+    assert (work / "out" / "report.html").stat().st_size > 10_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("page", having("python"))
+def test_python_blocks_run_one_after_the_other(page, shell):
+    shell(sys.executable, "-c", "\n".join(blocks(page, "python")))
+
+
+@pytest.mark.parametrize("page", having("toml"))
+def test_toml_blocks_are_fleets_or_gains(page, tmp_path):
+    for text in blocks(page, "toml"):
+        path = tmp_path / "block.toml"
+        path.write_text(text)
+        if "vehicle" in tomllib.loads(text):
+            assert len(load(path)) == text.count("[[vehicle]]")
+        else:
+            assert len(load_gains(path, paper_fleet()).gains.p_v) == 6
+
+
+@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.parametrize("page", having("c"))
+def test_c_blocks_are_what_the_header_declares(page):
+    header = (ROOT / "reports" / "templates" / "controller.h.jinja").read_text()
+    for text in blocks(page, "c"):
+        assert " ".join(text.split()) in " ".join(header.split())
+
+
+@pytest.mark.parametrize("page", [pytest.param(page, id=page.name) for page in PAGES])
+def test_links_lead_somewhere(page):
+    for target, _ in LINK.findall(page.read_text()):
+        assert target.startswith("https://") or (page.parent / target).exists(), target
+
+
+def test_every_page_is_in_the_navigation():
+    navigation = (ROOT / "mkdocs.yml").read_text()
+    assert all(f": {page.name}\n" in navigation for page in PAGES)
+
+
+def test_every_verb_and_output_file_is_documented():
+    text = "".join(page.read_text() for page in PAGES)
+    for verb in (
+        "init",
+        "check",
+        "prove",
+        "design",
+        "certify",
+        "verify",
+        "simulate",
+        "validate",
+        "report",
+        "export",
+        "run",
+    ):
+        assert re.search(rf"gaincert {verb}\b", text), verb
+    for name in ("design.json", "gains.csv", "summary.json", "validation.json", "trajectory.npz", "fleet_copy.toml"):
+        assert name in text
+
+
+@pytest.mark.slow
+def test_it_builds_without_a_warning(tmp_path):
+    pytest.importorskip("mkdocs")
+    pytest.importorskip("mkdocstrings")
+    (tmp_path / "types").mkdir()
+    (tmp_path / "types" / "gaincert").symlink_to(ROOT)
+    configuration = (ROOT / "mkdocs.yml").read_text().replace("build/types", str(tmp_path / "types"))
+    configuration = configuration.replace("docs_dir: docs", f"docs_dir: {ROOT / 'docs'}")
+    (tmp_path / "mkdocs.yml").write_text(configuration)
+    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d", str(tmp_path / "site")]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert 'id="gaincert.synthesis.design.design"' in (tmp_path / "site" / "api.html").read_text()
+
+
+@pytest.mark.slow
+def test_the_tour_of_the_python_interface_runs(tmp_path):
+    command = [sys.executable, ROOT / "examples" / "api_tour.py", tmp_path]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert "not certified: vehicle" in done.stdout
+    assert (tmp_path / "report.html").is_file()
+
+
+def test_every_public_name_is_there_and_documented():
+    import gaincert
+
+    text = (ROOT / "docs" / "api.md").read_text()
+    for name in gaincert.__all__:
+        assert getattr(gaincert, name) is not None
+        assert name == "__version__" or f"`{name}`" in text

@@ -1,0 +1,447 @@
+"""What robots and papers load: the C controller against Python, the ROS 2 parameters and node, the tables."""
+
+import csv
+import ctypes
+import importlib.util
+import json
+import math
+import shutil
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from gaincert.models.algebra.ops import numpy_ops
+from gaincert.models.arrays import floats
+from gaincert.models.equations import State, control
+from gaincert.models.errors import InputError, UndecidedError
+from gaincert.models.files.fleet_text import dumps
+from gaincert.models.fleet import Fleet
+from gaincert.models.gains import GAIN_NAMES
+from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.reports.export import casadi_source
+from gaincert.reports.export.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
+from gaincert.reports.export.export import FORMATS, export, no_formula
+from gaincert.reports.export.ros2 import namespaces
+from gaincert.reports.html.render import c_comment, yaml_text
+from gaincert.verify.certificates.certify import certify
+
+ROOT = Path(__file__).parents[2]
+STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
+HOSTILE = (
+    "*/ int x; /*",
+    "??/",
+    '"; exit(1); //',
+    "\\input{/etc/passwd}",
+    "=1+1",
+    "a: [1, {b: !!python/object}]\n- x",
+)
+compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+
+
+def deployed_of(fleet: Fleet, excitation: object, gains: object) -> Deployment:
+    return Deployment(fleet, excitation, gains, fleet.digest, None, "corrected")
+
+
+def build(deployed: Deployment, folder: Path, *flags: str) -> ctypes.CDLL:
+    for name, text in FORMATS["c"](deployed).items():
+        (folder / name).write_text(text)
+    out = folder / "controller.so"
+    source = folder / "gaincert_controller.c"
+    subprocess.run(["gcc", *STRICT, *flags, "-O2", "-shared", "-fPIC", "-o", out, source, "-lm"], check=True)
+    library = ctypes.CDLL(str(out))
+    for name in ("gaincert_torque_bound", "gaincert_torque_limit"):
+        getattr(library, name).restype = ctypes.c_double
+    return library
+
+
+def c_torques(library: ctypes.CDLL, vehicle: int, t: float, state: State, leader: object = None) -> tuple[float, float]:
+    double = ctypes.POINTER(ctypes.c_double)
+    arrays = [np.ascontiguousarray(values, dtype=float).ctypes.data_as(double) for values in state]
+    left, right = ctypes.c_double(), ctypes.c_double()
+    end = (vehicle, ctypes.c_double(t), *arrays, ctypes.byref(left), ctypes.byref(right))
+    if leader is None:
+        library.gaincert_torques(*end)
+    else:
+        library.gaincert_torques_led(ctypes.byref(leader), *end)
+    return left.value, right.value
+
+
+def only_heard(library: ctypes.CDLL, vehicle: int, state: State) -> State:
+    """NaN wherever the vehicle has no business."""
+    near = [library.gaincert_neighbour(vehicle, k) for k in range(library.gaincert_neighbour_count(vehicle))]
+    seen = State(*(np.full_like(values, np.nan) for values in state))
+    for k, (kept, values) in enumerate(zip(seen, state, strict=True)):
+        heard = [vehicle, *near] if k < 3 else [vehicle]
+        kept[heard] = values[heard]
+    return seen
+
+
+# -- the C controller -------------------------------------------------------------------------------------------------
+
+
+@compiler
+def test_c_agrees_with_python_on_1000_states_and_reads_what_it_may(fleet, psi, draw_gains, draw_state, tmp_path):
+    """Every graph family x both drives; torques relative to the bound, which holds, too."""
+    deployed = deployed_of(fleet, psi, draw_gains(len(fleet)))
+    library = build(deployed, tmp_path)
+    count = -(-1000 // len(fleet))  # states times vehicles are 1000 or more
+    states, times = draw_state(len(fleet), (count,)), np.linspace(0, 500, count)
+    expected = control(numpy_ops(), fleet.plant(), deployed.gains.map(floats), psi, times[:, None], states)
+    for k in range(count):
+        state = State(*(values[k] for values in states))
+        for vehicle in range(len(fleet)):
+            found = c_torques(library, vehicle, times[k], only_heard(library, vehicle, state))
+            bound = float(deployed.torque_bounds[vehicle])
+            assert library.gaincert_torque_bound(vehicle) == bound
+            assert found == pytest.approx([wheel[k, vehicle] for wheel in expected], rel=0, abs=1e-12 * max(1, bound))
+            assert max(map(abs, found)) <= bound * (1 + 1e-12)
+
+
+@compiler
+def test_the_papers_controller_stays_within_its_limits_far_out(tmp_path, random):
+    library = build(deployed_of(paper_fleet(), paper_excitation(), paper_gains()), tmp_path)
+    for scale in (1.0, 1e3, 1e9):
+        for _ in range(200):
+            state = State(*(random.uniform(-scale, scale, 6) for _ in range(5)))
+            for vehicle in range(6):
+                limit = library.gaincert_torque_limit(vehicle)
+                assert limit == (55, 55, 160, 160, 56, 56)[vehicle]
+                assert max(map(abs, c_torques(library, vehicle, 17.0, state))) <= limit
+
+
+class Leader(ctypes.Structure):
+    _fields_ = (("x", ctypes.c_double), ("y", ctypes.c_double), ("theta", ctypes.c_double))
+
+
+@compiler
+def test_the_leader_can_be_set_at_compile_time_and_at_run_time(tmp_path, draw_state):
+    fleet = paper_fleet()
+    deployed = deployed_of(fleet, paper_excitation(), paper_gains())
+    state = draw_state(6)
+    (tmp_path / "a").mkdir()
+    library = build(deployed, tmp_path / "a")
+    defined = build(
+        deployed, tmp_path, "-DGAINCERT_LEADER_X=3.5", "-DGAINCERT_LEADER_Y=-1", "-DGAINCERT_LEADER_THETA=0.5"
+    )
+    plant = fleet.plant()
+    moved = type(plant)(**{**vars(plant), "leader_x": 3.5, "leader_y": -1.0, "leader_theta": 0.5})
+    expected = np.column_stack(control(numpy_ops(), moved, paper_gains().map(floats), paper_excitation(), 2.0, state))
+    for vehicle in range(6):
+        at_run_time = c_torques(library, vehicle, 2.0, state, Leader(3.5, -1, 0.5))
+        assert at_run_time == c_torques(defined, vehicle, 2.0, state)
+        assert at_run_time == pytest.approx(expected[vehicle], rel=0, abs=1e-10)
+        assert (at_run_time != c_torques(library, vehicle, 2.0, state)) == (vehicle in (1, 3))  # those that hear it
+
+
+@compiler
+def test_an_index_that_is_no_vehicle_gives_no_torque(tmp_path, draw_state):
+    library = build(deployed_of(paper_fleet(), paper_excitation(), paper_gains()), tmp_path)
+    for vehicle in (-1, 6, 10**6, -(2**31)):
+        assert c_torques(library, vehicle, 0.0, draw_state(6)) == (0.0, 0.0)
+        assert library.gaincert_neighbour_count(vehicle) == 0
+        assert library.gaincert_neighbour(vehicle, 0) == -1
+        assert library.gaincert_torque_limit(vehicle) == 0
+
+
+@compiler
+def test_make_builds_and_the_test_program_passes_and_can_fail(fleet, psi, draw_gains, tmp_path):
+    files = FORMATS["c"](deployed_of(fleet, psi, draw_gains(len(fleet))))
+    for name, text in files.items():
+        (tmp_path / name).write_text(text)
+    run = ["make", "-s", "-f", "gaincert_controller.mk", "CC=gcc", "all", "check"]
+    done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False)
+    # Random gains may break a limit, and the program then says so; the torques must be the computed ones in any case.
+    assert "expected" not in done.stdout, done.stdout
+    assert "torques of" in done.stdout, done.stderr
+    source = tmp_path / "gaincert_controller.c"
+    source.write_text(files["gaincert_controller.c"].replace("=cos(", "=sin(", 1))
+    broken = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False)
+    assert broken.returncode != 0
+    assert "expected" in broken.stdout
+
+
+@compiler
+def test_c_has_no_variables_outside_functions_and_allocates_nothing(tmp_path):
+    for name, text in FORMATS["c"](deployed_of(paper_fleet(), paper_excitation(), paper_gains())).items():
+        (tmp_path / name).write_text(text)
+    subprocess.run(["gcc", *STRICT, "-c", "gaincert_controller.c"], cwd=tmp_path, check=True)
+    symbols = subprocess.run(
+        ["nm", "gaincert_controller.o"], cwd=tmp_path, check=True, capture_output=True, text=True
+    ).stdout.split("\n")
+    kinds = {line.split()[-2] for line in symbols if line}
+    assert not kinds & set("bBdDCcGgSs")  # no data that can be written
+    assert {line.split()[-1] for line in symbols if " U " in line} <= {"sin", "cos", "tanh", "sincos"}
+
+
+@compiler
+def test_hostile_names_stay_in_comments(tmp_path, draw_gains, psi):
+    fleet = hostile_fleet()
+    files = FORMATS["c"](deployed_of(fleet, psi, draw_gains(len(fleet))))
+    header = files["gaincert_controller.h"]
+    assert header.index("*/") > header.index("Nothing is saturated")  # the first comment ends where it should
+    build(deployed_of(fleet, psi, draw_gains(len(fleet))), tmp_path)
+
+
+def test_code_that_is_not_known_is_refused():
+    text = (
+        "static int casadi_f0(const casadi_real** arg, casadi_real** res, casadi_int* iw, casadi_real* w, int mem) {\n"
+    )
+    with pytest.raises(UndecidedError, match="not known"):
+        casadi_source._cleaned(text + "  system(0);\n  return 0;\n}\n", 0, 1)
+    with pytest.raises(UndecidedError, match="no function"):
+        casadi_source._cleaned("", 0, 1)
+
+
+def hostile_fleet() -> Fleet:
+    """The paper's fleet under names that are code somewhere."""
+    names = dict(zip(paper_fleet().names, HOSTILE, strict=True))
+    content = json.loads(paper_fleet().model_dump_json(by_alias=True))
+    content["name"] = '*/ "$(id)" <b>'
+    for vehicle in content["vehicle"]:
+        vehicle["name"] = names[vehicle["name"]]
+    graph = content["graph"]
+    graph["edges"] = [[names[a], names[b], weight] for a, b, weight in graph["edges"]]
+    graph["leader_links"] = {names[name]: weight for name, weight in graph["leader_links"].items()}
+    return Fleet.model_validate(content)
+
+
+# -- tables -----------------------------------------------------------------------------------------------------------
+
+
+def test_csv_has_its_origin_and_no_formula(tmp_path):
+    deployed = deployed_of(hostile_fleet(), paper_excitation(), paper_gains())
+    (tmp_path / "x.csv").write_text(FORMATS["csv"](deployed)["gains_export.csv"])
+    with (tmp_path / "x.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert [row["vehicle"] for row in rows] == [no_formula(name) for name in HOSTILE]
+    assert rows[4]["vehicle"] == "'=1+1"
+    assert {row["gains_digest"] for row in rows} == {deployed.gains_digest}
+    assert rows[0]["p_v"] == "56"
+
+
+@pytest.mark.parametrize("text", ["=1", "+1", "-1", "@x", "\tx", "\rx", "\nx"])
+def test_no_cell_begins_a_formula(text):
+    assert no_formula(text) == "'" + text
+    assert no_formula("a" + text) == "a" + text
+
+
+@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex")
+@pytest.mark.parametrize("many", [1, 8])
+def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
+    fleet = hostile_fleet()
+    deployed = deployed_of(fleet, paper_excitation(), paper_gains())
+    text = FORMATS["latex"](deployed)["gains.tex"]
+    if many > 1:  # a table that breaks over pages
+        from gaincert.reports.export import export as exports
+
+        text = long_table(exports, deployed)
+    (tmp_path / "gains.tex").write_text(text)
+    (tmp_path / "outer.tex").write_text(
+        "\\documentclass{article}\\usepackage{booktabs,longtable}\\begin{document}A\\input{gains}B\\end{document}"
+    )
+    for name in ("gains", "outer"):
+        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", name]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, errors="replace")
+        assert done.returncode == 0, done.stdout[-2000:]
+        assert (tmp_path / f"{name}.pdf").stat().st_size > 5000
+
+
+def long_table(exports: object, deployed: Deployment) -> str:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(exports, "LONG_TABLE", 3)
+        return FORMATS["latex"](deployed)["gains.tex"]
+
+
+def test_markdown_has_one_line_for_each_vehicle_and_no_markup_of_names():
+    deployed = deployed_of(hostile_fleet(), paper_excitation(), paper_gains())
+    lines = FORMATS["markdown"](deployed)["gains.md"].splitlines()
+    table = [line for line in lines if line.startswith("| ") and " 840 " in line]
+    assert len(table) == 6
+    assert "<b>" not in lines[0]
+    assert deployed.fleet_digest in "\n".join(lines)
+
+
+# -- ROS 2 ------------------------------------------------------------------------------------------------------------
+
+
+def test_ros2_parameters_load_with_the_types_that_ros_wants():
+    yaml = pytest.importorskip("yaml")
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    content = yaml.safe_load(FORMATS["ros2"](deployed)["gaincert.yaml"])
+    assert list(content) == [f"/v{i}/gaincert_controller" for i in range(1, 7)]
+    first = content["/v1/gaincert_controller"]["ros__parameters"]
+    assert first["wheel_separation"] == 0.6
+    assert first["neighbours"] == [1, 5]
+    assert first["neighbour_namespaces"] == ["v2", "v6"]
+    assert first["gains_digest"] == deployed.gains_digest
+    for i, node in enumerate(content.values()):
+        parameters = node["ros__parameters"]
+        assert parameters["vehicle"] == i
+        for name in GAIN_NAMES:
+            assert type(parameters[name]) is float
+            assert parameters[name] == float(getattr(paper_gains(), name)[i])
+        assert [] not in parameters.values()
+
+
+def test_hostile_names_are_yaml_strings_and_no_ros_names():
+    yaml = pytest.importorskip("yaml")
+    content = yaml.safe_load(
+        FORMATS["ros2"](deployed_of(hostile_fleet(), paper_excitation(), paper_gains()))["gaincert.yaml"]
+    )
+    assert list(content) == [f"/vehicle_{i}/gaincert_controller" for i in range(6)]
+    assert [node["ros__parameters"]["vehicle_name"] for node in content.values()] == list(HOSTILE)
+    assert namespaces(["a", "b__c"]) == ["vehicle_0", "vehicle_1"]
+
+
+@pytest.mark.parametrize("text", ["plain", *HOSTILE, "\x00\x7f\x85\u2028\ufeff", "\U0001f916", "'", "# x"])
+def test_text_survives_yaml(text):
+    yaml = pytest.importorskip("yaml")
+    assert yaml.safe_load(yaml_text(text)) == text
+
+
+def test_a_c_comment_holds_no_way_out():
+    text = c_comment("".join(map(chr, range(0x250))))
+    assert not set(text) & set('*/\\?"\n\r')
+
+
+@pytest.fixture(scope="module")
+def node():
+    spec = importlib.util.spec_from_file_location("gaincert_node", ROOT / "reports" / "templates" / "gaincert_node.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def test_the_node_knows_headings(node):
+    for angle in np.linspace(-3.1, 3.1, 9):
+        assert node.yaw(0, 0, math.sin(angle / 2), math.cos(angle / 2)) == pytest.approx(angle)
+    turns = np.linspace(0, 20, 200)
+    seen = math.nan
+    for angle in turns:
+        seen = node.unwrapped(math.remainder(angle, math.tau), seen)
+        assert seen == pytest.approx(angle)
+
+
+@compiler
+def test_the_node_commands_what_the_library_says_and_nothing_on_old_poses(node, tmp_path, draw_state):
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    build(deployed, tmp_path)
+    path = tmp_path / "controller.so"
+    with pytest.raises(ValueError, match="export both again"):
+        node.Library(path, "sha256:0", 6)
+    library = node.Library(path, deployed.gains_digest, 6)
+    assert library.neighbours(0) == [1, 5]
+    assert library.torque_limit(2) == 160
+    state, known = draw_state(6), node.FleetState(6)
+    known.own(0, 1.0, (state.x[0], state.y[0], math.remainder(state.theta[0], math.tau)), state.v[0], state.omega[0])
+    assert node.command(library, 0, 1.0, 1.0, known, 0.1) == [0, 0]  # the neighbours are not known yet
+    for other in (1, 5):
+        known.hear(other, 1.0, (state.x[other], state.y[other], state.theta[other]))
+    known.hear(1, 1.05, (math.nan, 0.0, 0.0))  # not heard
+    theta = state.theta.copy()
+    theta[0] = math.remainder(theta[0], math.tau)
+    full = state._replace(theta=theta)
+    expected = control(numpy_ops(), paper_fleet().plant(), paper_gains().map(floats), paper_excitation(), 1.0, full)
+    assert node.command(library, 0, 1.0, 1.05, known, 0.1) == pytest.approx([wheel[0] for wheel in expected], abs=1e-10)
+    assert node.command(library, 0, 1.0, 1.2, known, 0.1) == [0, 0]  # too old
+
+
+def test_the_node_says_what_it_needs_where_there_is_no_ros():
+    done = subprocess.run(
+        [sys.executable, ROOT / "reports" / "templates" / "gaincert_node.py"],
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert done.returncode == 1 or "rclpy" in sys.modules
+    assert "needs ROS 2" in done.stderr
+
+
+# -- folders ----------------------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """The paper's gains, certified."""
+    certify(paper_fleet(), paper_excitation(), paper_gains(), "paper").write(tmp_path / "certificate.json")
+    write_fleet_copy(paper_fleet(), tmp_path)
+    return tmp_path
+
+
+def design_of(gains: object) -> dict[str, object]:
+    return {
+        "fleet_digest": paper_fleet().digest,
+        "conditions": "paper",
+        "excitation": paper_excitation().table(),
+        "gains": {name: [str(value) for value in map(float, getattr(gains, name))] for name in GAIN_NAMES},
+    }
+
+
+@pytest.mark.parametrize("kind", FORMATS)
+def test_every_format_is_written_from_a_certificate_alone(kind, folder):
+    paths = export(folder, kind)
+    digest = load_deployment(folder, fleet_of_folder(folder)).certificate_digest
+    assert paths
+    assert all(path.stat().st_size > 100 for path in paths)
+    assert any(digest in path.read_text() or digest.replace("sha256:", "") in path.read_text() for path in paths)
+    assert not list(folder.glob(".*"))
+
+
+def test_the_fleet_copy_says_the_same(folder):
+    assert fleet_of_folder(folder) == paper_fleet()
+    assert tomllib.loads((folder / "fleet_copy.toml").read_text())["name"] == "paper"
+
+
+def test_a_design_and_a_certificate_of_other_gains_are_refused(folder):
+    (folder / "design.json").write_text(json.dumps(design_of(paper_gains())))
+    assert load_deployment(folder, paper_fleet()).certificate_digest
+    other = design_of(paper_gains())
+    other["gains"]["p_v"][0] = "55"
+    (folder / "design.json").write_text(json.dumps(other))
+    with pytest.raises(InputError, match="is not of the gains in design"):
+        export(folder, "c")
+
+
+def test_a_certificate_that_was_tampered_with_is_refused(folder):
+    path = folder / "certificate.json"
+    path.write_text(path.read_text().replace('"840"', '"8400"'))
+    with pytest.raises(InputError, match="certify"):
+        export(folder, "c")
+
+
+def test_what_is_missing_is_named(tmp_path, folder):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    with pytest.raises(InputError, match="neither"):
+        load_deployment(empty, paper_fleet())
+    (folder / "fleet_copy.toml").unlink()
+    with pytest.raises(InputError, match="--fleet"):
+        export(folder, "c")
+    (tmp_path / "given.toml").write_text(dumps(paper_fleet()))
+    assert export(folder, "csv", tmp_path / "given.toml")
+    with pytest.raises(InputError, match="ros2, c, latex"):
+        export(folder, "matlab")
+
+
+def test_designed_weights_are_deployed(tmp_path):
+    design = design_of(paper_gains())
+    links = json.loads(paper_fleet().links.model_dump_json())
+    links["leader_links"]["v2"] = "0.5"
+    (tmp_path / "design.json").write_text(json.dumps({**design, "weights": links}))
+    deployed = load_deployment(tmp_path, paper_fleet())
+    assert float(deployed.fleet.graph.leader_weight[1]) == 0.5
+    assert deployed.fleet_digest == paper_fleet().digest
+
+
+def test_the_command_line_exports(folder):
+    command = [sys.executable, "-m", "gaincert", "export", folder, "--format", "csv", "--json"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout) == {"format": "csv", "files": [str(folder / "gains_export.csv")]}
+    command[4] = folder / "absent"
+    done = subprocess.run(command, capture_output=True, text=True, check=False, cwd=ROOT)
+    assert done.returncode == 2
+    assert "Traceback" not in done.stderr

@@ -1,0 +1,140 @@
+"""Compiled loops say what CasADi and the equations say."""
+
+import math
+from dataclasses import replace
+from fractions import Fraction
+
+import casadi as ca
+import llvmlite.binding as llvm
+import numpy as np
+import pytest
+from gaincert.models.algebra.ops import numpy_ops
+from gaincert.models.equations import State, closed_loop
+from gaincert.models.fleet import Fleet
+from gaincert.models.gains import GAIN_NAMES, Gains
+from gaincert.models.paper import paper_fleet
+from gaincert.synthesis.programs.excitation import flat_tones
+from gaincert.synthesis.rollouts import compiler
+from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
+from gaincert.synthesis.rollouts.compiler import At, LoopNest, Single, compiled, pointer, single_ops
+from gaincert.synthesis.rollouts.runge_kutta import Accuracy, Columns
+
+SYMBOL = ca.SX.sym
+
+
+def applied(function: ca.Function, *arguments: np.ndarray) -> np.ndarray:
+    """A function of scalars over arrays (items, columns)."""
+    items, columns = arguments[0].shape
+    arrays = {f"argument{k}": np.ascontiguousarray(array, dtype=Single) for k, array in enumerate(arguments)}
+    loop = LoopNest(function, [(name, At.EACH) for name in arrays], [("result", At.EACH)])
+    arrays["result"] = np.empty((items, columns), Single)
+    compiled({"loop": loop})["loop"].bind(items, columns, {name: pointer(array) for name, array in arrays.items()})()
+    return arrays["result"]
+
+
+@pytest.mark.parametrize("name", ["sin", "cos", "tanh"])
+def test_what_stands_for_the_functions_is_near_enough(name: str) -> None:
+    s = np.concatenate([np.linspace(-12, 12, 4001), np.linspace(-100, 100, 4001), [math.nan]]).astype(Single)[None]
+    x = SYMBOL("x")
+    found = applied(ca.Function("f", [x], [getattr(single_ops(), name)(x)]), s)
+    true = getattr(np, name)(s.astype(float))
+    assert np.abs(found - true)[:, :-1].max() < 1e-5
+    assert np.isnan(found[0, -1])
+
+
+@pytest.mark.parametrize("name", ["sin", "tanh"])
+def test_near_zero_they_are_near_in_proportion(name: str) -> None:
+    s = np.geomspace(1e-20, 0.1, 500).astype(Single)[None]
+    x = SYMBOL("x")
+    found = applied(ca.Function("f", [x], [getattr(single_ops(), name)(x)]), s)
+    assert found == pytest.approx(getattr(np, name)(s), rel=1e-6)
+
+
+def test_every_operation_is_that_of_casadi() -> None:
+    x, y = SYMBOL("x"), SYMBOL("y")
+    parts = [x + y, x - y, x * y, x / y, -x, x * x, 2 * x, 1 / x, ca.fabs(x), ca.floor(x), ca.fmax(x, y), ca.fmin(x, y)]
+    parts += [ca.if_else(ca.fmax(x, 0), y, x), x + 0.125]
+    a, b = np.random.default_rng(0).uniform(-3, 3, (2, 3, 37)).astype(Single)
+    for part in parts:
+        function = ca.Function("f", [x, y], [part])
+        true = np.vectorize(lambda p, q, f=function: float(f(p, q)))(a, b)
+        assert applied(function, a, b) == pytest.approx(true, rel=1e-6), part
+
+
+@pytest.mark.parametrize("columns", [1, 7, 8, 100])
+def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) -> None:
+    """Of every fleet of the tests, over doubles: to five digits of the largest rate."""
+    random = np.random.default_rng(columns)
+    vehicles, psi = len(fleet), replace(flat_tones(), frequency=Fraction(7, 5))
+    plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
+    gains = random.uniform(0.3, 3, (len(GAIN_NAMES), vehicles)).astype(Single)
+    spread = np.array([20, 20, 4, 3, 2])[:, None, None]
+    starts = random.uniform(-spread, spread, (5, vehicles, columns)).astype(Single)
+    times = random.uniform(0, 20, columns)
+    loop = ClosedLoop(plant, psi)
+    problem = loop.problem(np.repeat(gains[..., None], columns, axis=2), np.full(columns, float(psi.frequency)))
+    found = np.empty_like(starts)
+    problem(starts, found)(times)
+    for k, t in enumerate(times):
+        true = closed_loop(
+            numpy_ops(), plant, Gains(*gains.astype(float)), psi, t, State(*starts[..., k].astype(float))
+        )
+        for rate, exact in zip(found[..., k], true, strict=True):
+            assert rate == pytest.approx(exact, abs=5e-5 * max(1.0, np.abs(exact).max()))
+
+
+def test_columns_follow_their_equation() -> None:
+    """y' = -rate y, from every rate its own steps."""
+    rates = np.geomspace(0.01, 10, 20)
+
+    def problem(y: np.ndarray, slope: np.ndarray):
+        return lambda _: np.copyto(slope, -rates * y)
+
+    columns = Columns(problem, np.zeros(20), np.ones((3, 20)), np.full(20, 0.01), Accuracy(1e-5, 1e-7, math.inf))
+    for _ in range(80):
+        columns.step()
+    assert columns.t[0] > 10 * columns.t[-1] > 0
+    assert columns.y == pytest.approx(np.tile(np.exp(-rates * columns.t), (3, 1)), abs=1e-4)
+
+
+def test_a_plain_processor_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
+    """To the last bit: wider registers change how many columns go at once and nothing else."""
+    x, y = SYMBOL("x"), SYMBOL("y")
+    ops = single_ops()
+    function = ca.Function("f", [x, y], [ops.tanh(x) * ops.sin(y) + ops.cos(x) * y / (1 + x * x)])
+    a, b = np.random.default_rng(0).uniform(-9, 9, (2, 3, 1000)).astype(Single)
+    here = applied(function, a, b)
+    monkeypatch.setattr(compiler.llvm, "get_host_cpu_name", lambda: "")
+    monkeypatch.setattr(compiler.llvm, "get_host_cpu_features", lambda: llvm.FeatureMap())
+    assert (applied(function, a, b) == here).all()
+
+
+def test_nothing_is_fused() -> None:
+    """A product is rounded before it is added: so all processors agree."""
+    x, y = SYMBOL("x"), SYMBOL("y")
+    a, b = np.random.default_rng(0).uniform(-3, 3, (2, 1, 1000)).astype(Single)
+    assert (applied(ca.Function("f", [x, y], [x * y + y * y * x]), a, b) == a * b + b * b * a).all()
+
+
+def test_ends_of_edges_are_gathered_and_summed_up() -> None:
+    """As the graph verbs of NumPy do it."""
+    at_tail, at_head, sum_at_tail, sum_at_head = (SYMBOL(name) for name in ("z_i", "z_j", "s_i", "s_j"))
+    f = at_tail - at_head
+    function = ca.Function("f", [at_tail, at_head, sum_at_tail, sum_at_head], [sum_at_tail + f, sum_at_head - f])
+    sums = [("sums", At.TAIL), ("sums", At.HEAD)]
+    loop = LoopNest(function, [("z", At.TAIL), ("z", At.HEAD), *sums], sums)
+    graph = paper_fleet().graph
+    arrays = {name: np.zeros((graph.vehicles, 11), Single) for name in ("z", "sums")}
+    arrays["z"][:] = np.random.default_rng(0).integers(-9, 9, arrays["z"].shape)
+    ends = [pointer(graph.tail, np.int64), pointer(graph.head, np.int64)]
+    pointers = {name: pointer(array) for name, array in arrays.items()}
+    compiled({"loop": loop})["loop"].bind(graph.edges, 11, pointers, ends, graph.vehicles)()
+    ops = numpy_ops()
+    assert (ops.edge_sum(graph, ops.edge_difference(graph, arrays["z"].T)) == arrays["sums"].T).all()
+
+
+def test_arrays_of_another_type_are_refused() -> None:
+    with pytest.raises(TypeError, match="float64"):
+        pointer(np.zeros((2, 3)))
+    with pytest.raises(TypeError, match="in a row"):
+        pointer(np.zeros((3, 2), Single).T)

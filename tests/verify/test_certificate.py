@@ -1,0 +1,350 @@
+"""Certificates: what they claim for which gains, repairs, intervals, files."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from decimal import Decimal
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from gaincert.models.arrays import column
+from gaincert.models.conditions import condition_16_star, exact_numbers
+from gaincert.models.errors import InputError
+from gaincert.models.excitation import Excitation
+from gaincert.models.files.fleet_file import parse
+from gaincert.models.files.fleet_text import dumps
+from gaincert.models.fleet import Fleet
+from gaincert.models.fleet_tables import Links
+from gaincert.models.gains import GAIN_NAMES, Gains
+from gaincert.models.numbers import Interval
+from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.verify import kernel
+from gaincert.verify.certificates import witnesses as witness
+from gaincert.verify.certificates.certify import Certificate, certify, same_fleet, verify
+from gaincert.verify.certificates.remarks import broken_cuts
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.campaigns.certified_fleets import CASES, fleet_of, gains_at, vehicle
+
+
+def paper(conditions: str, **changed: Any) -> Certificate:
+    columns = {name: column(map(Fraction, values)) for name, values in changed.items()}
+    return certify(paper_fleet(), paper_excitation(), replace(paper_gains(), **columns), conditions)
+
+
+# -- the paper's own gains --------------------------------------------------------------------------------------------
+
+
+def test_the_papers_gains_are_certified_under_its_own_conditions() -> None:
+    certificate = paper("paper")
+    assert certificate.valid and not certificate.violations
+    notes = " ".join(certificate.notes)
+    assert "(15') holds for 4 of 6 vehicles, not for v2, v4" in notes
+    assert "53 of 63 cuts" in notes
+    # THEORY section 1: 653.27 against 1320, ..., 503.52 against 504.
+    margins = certificate.margins["(16)"].astype(float)
+    assert margins == pytest.approx([666.73, 17.85, 740.22, 4.23, 0.48, 0.48], abs=0.01)
+    assert certificate.margins["(15)"].astype(float) == pytest.approx([0.6856, 0.2162] * 2 + [0.6856] * 2, abs=1e-4)
+
+
+def test_the_papers_gains_are_certified_under_the_exact_torque_condition() -> None:
+    assert paper("corrected").valid
+
+
+def test_gains_that_break_15_tenfold_are_certified_by_the_corrected_theorem() -> None:
+    d_omega = ["2.8", "5.9", "2.8", "5.9", "2.8", "2.8"]
+    assert paper("corrected", d_omega=d_omega).valid
+    broken = paper("paper", d_omega=d_omega)
+    assert not broken.valid and len(broken.violations) == 6
+
+
+def test_the_papers_gains_break_15_prime_for_two_vehicles() -> None:
+    certificate = paper("rate-bounded")
+    assert not certificate.valid
+    assert [(v.vehicle, v.condition) for v in certificate.violations] == [("v2", "(15')"), ("v4", "(15')")]
+    assert str(certificate.violations[0]).startswith(
+        "vehicle 'v2': (15') is broken by 62.4178 N m (121.4178101 >= 59); lower p_omega from 5.9 to 1.0986"
+    )
+
+
+def test_the_rates_are_the_spectral_abscissas() -> None:
+    rates = paper("paper").content["rates"]
+    assert float(rates["gamma_omega"]["rate"]) == pytest.approx(0.0543529142, rel=1e-4)
+    assert float(rates["gamma_v"]["rate"]) == pytest.approx(0.0357239954, rel=1e-4)
+
+
+def test_rates_that_the_kernel_refuses_cost_nothing_else(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The search for them is in floats; what it overstates is left out, and the rest is certified."""
+    monkeypatch.setattr(witness, "rate", lambda graph, *_: (Fraction(10**6), [1] * graph.vehicles))
+    certificate = paper("paper")
+    assert certificate.valid
+    assert certificate.content["rates"] == {"gamma_omega": None, "gamma_v": None}
+    assert not any("exponent" in fact for fact in certificate.facts)
+
+
+# -- repairs ----------------------------------------------------------------------------------------------------------
+
+
+def applied(certificate: Certificate) -> Gains:
+    """The gains with the repair of every broken vehicle."""
+    columns = {name: getattr(certificate.gains, name).copy() for name in GAIN_NAMES}
+    for violation in certificate.violations:
+        assert violation.repair
+        columns[violation.repair.gain][violation.index] = violation.repair.new
+    return Gains(**columns)
+
+
+@pytest.mark.parametrize(
+    ("conditions", "changed"),
+    [
+        ("paper", {"d_omega": ["27"] * 6}),
+        ("paper", {"d_v": ["842"] * 6}),
+        ("paper", {"d_v": ["841.5"] * 6, "k_alpha": ["3.1", "1", "3", "1", "3", "3"]}),
+        ("corrected", {"p_v": ["1000"] * 6}),
+        ("rate-bounded", {}),
+        ("rate-bounded", {"k_alpha": ["0.00001"] * 6}),
+    ],
+)
+def test_the_smallest_repair_makes_the_gains_valid_and_less_does_not(conditions: str, changed: dict[str, Any]) -> None:
+    broken = paper(conditions, **changed)
+    assert not broken.valid
+    gains = applied(broken)
+    assert certify(paper_fleet(), paper_excitation(), gains, conditions).valid
+    for violation in broken.violations:
+        repair = violation.repair
+        assert repair
+        columns = {name: getattr(gains, name).copy() for name in GAIN_NAMES}
+        columns[repair.gain][violation.index] = repair.old + Fraction(98, 100) * (repair.new - repair.old)
+        nearly = certify(paper_fleet(), paper_excitation(), Gains(**columns), conditions)
+        assert violation.vehicle in {left.vehicle for left in nearly.violations}
+
+
+def test_where_no_single_gain_helps_the_report_says_so() -> None:
+    broken = paper("paper", d_v=["60000"] * 6, d_omega=["1"] * 6)
+    assert not broken.valid
+    assert "no change of one gain repairs this vehicle" in str(broken.violations[0])
+
+
+def test_margins_of_1e_15_are_decided_and_repaired() -> None:
+    limits = CASES["line"]().fleet.condition_data(CASES["line"]().psi)
+    gains = CASES["line"]().gains
+    room = condition_16_star(exact_numbers(), limits, gains).margin[0] * 2 / limits.r[0]
+    unit = Fraction(1, 10**15)
+    fits = gains.d_v[0] + room // unit * unit
+    for d_v, valid in ((fits, True), (fits + unit, False)):
+        columns = gains.d_v.copy()
+        columns[0] = d_v
+        certificate = certify(CASES["line"]().fleet, CASES["line"]().psi, replace(gains, d_v=columns), "corrected")
+        assert certificate.valid == valid
+    repair = certificate.violations[0].repair
+    assert repair and repair.relative < Fraction(1, 10**12)
+
+
+@settings(max_examples=30, deadline=None)
+@given(st.lists(st.decimals("0.001", "2000", places=4), min_size=5, max_size=5), st.sampled_from(list(kernel.SETS)))
+def test_the_kernel_and_the_diagnosis_never_disagree(values: list[Decimal], conditions: str) -> None:
+    certificate = paper(conditions, **{n: [str(v)] * 6 for n, v in zip(GAIN_NAMES, values, strict=True)})
+    assert certificate.valid == (not certificate.violations)
+    content = {**certificate.content, "rates": {"gamma_omega": None, "gamma_v": None}}
+    assert kernel.check(json.dumps(content)).valid == certificate.valid
+
+
+# -- intervals, limits, drives, designed parts ------------------------------------------------------------------------
+
+
+def test_intervals_are_certified_for_every_value_in_them() -> None:
+    case = CASES["mixed_ring"]()
+    assert case.certificate.valid
+    assert any(isinstance(v.mass, Interval) for v in case.fleet.vehicles)
+    for pick in (0, -1):
+        fixed = _with_values(case.fleet, lambda interval, pick=pick: interval[pick])  # type: ignore[misc]
+        assert certify(fixed, case.psi, case.gains, case.conditions).valid
+    assert sum("intervals" in note for note in case.certificate.notes) == 3
+
+
+def _with_values(fleet: Fleet, value: Any) -> Fleet:
+    keys = ("mass", "inertia", "half_track", "wheel_radius")
+    vehicles = []
+    for v in fleet.vehicles:
+        limit = {side: value(getattr(v.torque_limit, side)) for side in ("left", "right")} if isinstance(
+            v.torque_limit.left, Interval
+        ) else v.torque_limit  # fmt: skip
+        chosen = {key: value(q) if isinstance(q := getattr(v, key), Interval) else q for key in keys}
+        kept = {key: getattr(v, key) for key in ("name", "offset", "start", "limits")}
+        vehicles.append({**kept, **chosen, "torque_limit": limit})
+    kept_fleet = {key: getattr(fleet, key) for key in ("name", "drive", "leader", "excitation", "links")}
+    return Fleet(vehicles=vehicles, **kept_fleet)
+
+
+def test_the_worst_corner_of_the_intervals_counts() -> None:
+    fleet = fleet_of([vehicle(0, half_track=["0.2", "0.4"], wheel_radius=["0.05", "0.06"])], [], {"r0": "1"})
+    assert fleet.psi
+    limits = fleet.condition_data(fleet.psi)
+    assert limits.arm[0] == Fraction("0.2") and limits.r[0] == Fraction("0.06")
+    gains = gains_at(0.9, limits)
+    assert certify(fleet, fleet.psi, gains, "corrected").valid
+    sides = condition_16_star(exact_numbers(), limits, gains)
+    over = Fraction(f"{float(sides.large[0] / sides.small[0]):.6f}") + Fraction("0.00001")
+    more = gains.map(lambda values: values * over)
+    assert not certify(fleet, fleet.psi, more, "corrected").valid
+    nominal = _with_values(fleet, lambda interval: sum(interval) / 2)
+    assert certify(nominal, fleet.psi, more, "corrected").valid
+
+
+def test_intervals_survive_the_fleet_file() -> None:
+    import tomllib
+
+    fleet = CASES["mixed_ring"]().fleet
+    again = parse(tomllib.loads(dumps(fleet), parse_float=Decimal))
+    assert again == fleet and again.digest == fleet.digest
+
+
+def test_a_vehicle_without_a_limit_is_not_held_to_one() -> None:
+    vehicles = [vehicle(0, limits={"speed": "1"}), vehicle(4)]
+    fleet = fleet_of(vehicles, [["r0", "r4"]], {"r0": "1", "r4": "1"})
+    assert fleet.psi
+    gains = gains_at(0.2, fleet.condition_data(fleet.psi))
+    gains.p_v[1] *= 3
+    certificate = certify(fleet, fleet.psi, gains, "corrected")
+    assert certificate.valid and certificate.content["margins"]["speed limit"][1] is None
+    assert "its limit" in " ".join(certificate.facts)
+
+
+def test_designed_parts_are_embedded_and_said() -> None:
+    fleet = CASES["paper"]().fleet
+    links = Links(edges=fleet.links.edges, leader_links={**fleet.links.leader_links, "v1": Fraction("0.5")})
+    psi = Excitation(Fraction(0), Fraction(1), (Fraction("0.9"),))
+    gains = paper_gains().map(lambda values: values * Fraction("0.8"))
+    certificate = certify(fleet, psi, gains, "corrected", links=links)
+    assert certificate.valid
+    assert certificate.content["designed"]["graph"]["leader_links"]["v1"] == "0.5"
+    assert certificate.content["fleet"] == fleet.content() and same_fleet(certificate, fleet)
+    assert "designed excitation, designed graph" in certificate.facts[0]
+    assert CASES["paper"]().certificate.content["designed"] == {}
+
+
+# -- files ------------------------------------------------------------------------------------------------------------
+
+
+def listed(folder: Path) -> list[str]:
+    return [path.name for path in folder.iterdir()]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_certificate_is_read_as_it_was_written(name: str, tmp_path: Path) -> None:
+    case = CASES[name]()
+    path = tmp_path / "certificate.json"
+    case.certificate.write(path)
+    again = Certificate.read(path, case.fleet)
+    assert again.valid and again.content == case.certificate.content and again.facts == case.certificate.facts
+    assert all(np.array_equal(getattr(again.gains, gain), getattr(case.gains, gain)) for gain in GAIN_NAMES)
+    assert verify(path, case.fleet).valid
+    assert listed(tmp_path) == ["certificate.json"]
+
+
+def test_a_certificate_of_one_fleet_is_refused_for_another(tmp_path: Path) -> None:
+    path = tmp_path / "certificate.json"
+    CASES["line"]().certificate.write(path)
+    other = verify(path, CASES["mixed_ring"]().fleet)
+    assert not other.valid and other.rule == "same_fleet" and "not of the fleet" in other.reason
+    assert not same_fleet(CASES["line"]().certificate, CASES["paper"]().fleet)
+
+
+def test_a_certificate_that_is_not_valid_is_not_written(tmp_path: Path) -> None:
+    with pytest.raises(InputError, match="vehicle 'v2'"):
+        paper("rate-bounded").write(tmp_path / "certificate.json")
+    assert listed(tmp_path) == []
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "certificate.json"
+    path.write_text("old")
+    monkeypatch.setattr(Path, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+    with pytest.raises(InputError, match="No space left"):
+        CASES["line"]().certificate.write(path)
+    assert path.read_text() == "old" and listed(tmp_path) == ["certificate.json"]
+
+
+def test_a_false_file_is_read_with_the_reason(tmp_path: Path) -> None:
+    path = tmp_path / "certificate.json"
+    content = {**CASES["paper"]().certificate.content, "margins": {"(16)": 5, "(15)": None}}
+    path.write_text(json.dumps({**content, "digest": "sha256:0"}))
+    found = Certificate.read(path)
+    assert not found.valid and found.verdict.rule == "same_fleet" and found.margins == {} and found.facts == ()
+
+
+def test_an_unreadable_file_is_an_input_error(tmp_path: Path) -> None:
+    path = tmp_path / "certificate.json"
+    path.write_text("{")
+    with pytest.raises(InputError, match="not JSON"):
+        verify(path)
+    with pytest.raises(InputError, match="not JSON"):
+        Certificate.read(path)
+    with pytest.raises(InputError, match="cannot be read"):
+        verify(tmp_path / "absent.json")
+
+
+@pytest.mark.parametrize("value", [Fraction(1, 3), Fraction(0), Fraction(-1), Fraction(1, 10**200)])
+def test_gains_that_no_certificate_can_state_are_input_errors(value: Fraction) -> None:
+    gains = paper_gains()
+    gains.d_v[2] = value
+    with pytest.raises(InputError, match="gains: d_v of vehicle 'v3'"):
+        certify(paper_fleet(), paper_excitation(), gains, "paper")
+
+
+def test_a_psi_that_no_fleet_file_can_give_is_an_input_error() -> None:
+    with pytest.raises(InputError, match="coefficients carry 1/pi"):
+        certify(paper_fleet(), paper_excitation().derivative(), paper_gains(), "corrected")
+    third = Excitation(Fraction(0), Fraction(1), (Fraction(1, 3),))
+    with pytest.raises(InputError, match="a coefficient = 1/3 is no decimal number"):
+        certify(paper_fleet(), third, paper_gains(), "corrected")
+
+
+def test_too_few_gains_are_an_input_error() -> None:
+    gains = paper_gains()
+    with pytest.raises(InputError, match="one per vehicle"):
+        certify(paper_fleet(), paper_excitation(), replace(gains, d_v=gains.d_v[:5]), "paper")
+
+
+def test_cuts_are_counted_exactly() -> None:
+    graph = paper_fleet().graph
+    assert broken_cuts(graph, column([Fraction(0)] * 6)) == (0, 63)
+    assert broken_cuts(graph, column([Fraction(10**6)] * 6)) == (63, 63)
+
+
+# -- scale ------------------------------------------------------------------------------------------------------------
+
+
+def test_numbers_stay_short_as_fleets_grow(monkeypatch: pytest.MonkeyPatch) -> None:
+    from benchmarks.certificate_scale import large_fleet, scaled_gains
+
+    longest = []
+    original = kernel.holds_with_margin
+
+    def measured(where: str, sides: kernel.Sides, margin: Fraction) -> None:
+        longest[-1] = max(longest[-1], *(q.denominator.bit_length() for q in (*sides[:3], margin)))
+        original(where, sides, margin)
+
+    monkeypatch.setattr(kernel, "holds_with_margin", measured)
+    for n in (100, 2000):
+        longest.append(0)
+        fleet = large_fleet(n)
+        assert fleet.psi
+        certificate = certify(fleet, fleet.psi, scaled_gains(fleet), "corrected")
+        assert certificate.valid and all(certificate.content["rates"].values())
+    assert longest[1] <= longest[0] + 16 < 400
+
+
+@pytest.mark.slow
+def test_a_hundred_thousand_vehicles_are_certified_and_verified_within_a_minute() -> None:
+    from benchmarks.certificate_scale import measure
+
+    found = measure(100_000)
+    assert found["valid"]
+    assert found["certify_s"] + found["write_s"] + found["verify_s"] < 60
+    assert max(found["certify_GB"], found["verify_GB"]) < 4

@@ -1,0 +1,1 @@
+"""Certificates: written with witnesses, checked by verify/kernel.py, with repairs and remarks."""

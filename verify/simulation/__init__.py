@@ -1,0 +1,1 @@
+"""Runs of one fleet: the integrators, disturbances, events between points, invariants."""

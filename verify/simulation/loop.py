@@ -1,0 +1,101 @@
+"""The closed loop (13)-(14) of one fleet under given gains, over NumPy arrays of times (K,) and states (K, N)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models import energy
+from ...models.algebra.ops import Ops, numpy_ops, unbounded
+from ...models.arrays import floats
+from ...models.conditions import ConditionData, float_numbers, pulling_bound, turning_bound
+from ...models.equations import Plant, State, closed_loop, control
+from ...models.excitation import Excitation
+from ...models.fleet import Fleet
+from ...models.gains import Gains
+from ...models.numbers import low
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """What is integrated and measured: plant, gains and excitation as floats, and the wheels' limits."""
+
+    plant: Plant
+    gains: Gains
+    excitation: Excitation
+    torque_left: Floats  # (N,), N m, limit
+    torque_right: Floats  # (N,), N m, limit
+    limits: ConditionData  # of the conditions, floats, (N,): D, psi_bar, speed limits that are asked for
+    bounded: bool = True  # False: the comparison scheme of Section 4, tanh(s) -> s
+
+    @classmethod
+    def of(cls, fleet: Fleet, gains: Gains, excitation: Excitation, *, bounded: bool = True) -> Loop:
+        """The loop of a fleet; the smaller torque limit where only an interval is known."""
+        left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
+        right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
+        limits = fleet.condition_data(excitation).map(floats)
+        return cls(fleet.plant(), gains.map(floats), excitation, left, right, limits, bounded)
+
+    @property
+    def vehicles(self) -> int:
+        """N."""
+        return self.plant.graph.vehicles
+
+    @property
+    def ops(self) -> Ops:
+        """The NumPy algebra of the scheme."""
+        return numpy_ops() if self.bounded else unbounded(numpy_ops())
+
+    def rates(self, t: Any, state: State) -> State:
+        """(13)-(14): the derivative of the state, (K, N)."""
+        return closed_loop(self.ops, self.plant, self.gains, self.excitation, _per_row(t), state)
+
+    def torques(self, t: Any, state: State) -> tuple[Floats, Floats]:
+        """(6)-(11): left and right torque, N m, (K, N)."""
+        return control(self.ops, self.plant, self.gains, self.excitation, _per_row(t), state)
+
+    def torque_ratios(self, t: Any, state: State) -> Floats:
+        """Left, then right torque over its limit, signed, (K, 2 N)."""
+        left, right = self.torques(t, state)
+        return np.concatenate([left / self.torque_left, right / self.torque_right], axis=-1)
+
+    def translational_energy(self, state: State) -> Floats:
+        """V of (17), (K,)."""
+        return np.asarray(energy.translational(self.ops, self.plant, self.gains, state))
+
+    def rotational_energy(self, state: State) -> Floats:
+        """W of (19), (K,)."""
+        return np.asarray(energy.rotational(self.ops, self.plant, self.gains, state))
+
+    def certified_speeds(self, start: State) -> tuple[Floats, Floats]:
+        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) of every run from a start, (N,); inf where none holds."""
+        numbers, gains = float_numbers(), self.gains
+        pull = pulling_bound(numbers, self.limits, gains) / gains.d_v
+        turn = turning_bound(numbers, self.limits, gains) / gains.d_omega
+        return _certified(pull, start.v, self.bounded), _certified(turn, start.omega, self.bounded)
+
+    def offsets(self, state: State) -> State:
+        """The state as distances from the formation: x, y (m) and theta (rad) from the vehicle's own place."""
+        plant = self.plant
+        return State(
+            state.x - plant.offset_x - plant.leader_x,
+            state.y - plant.offset_y - plant.leader_y,
+            state.theta - plant.leader_theta,
+            state.v,
+            state.omega,
+        )
+
+
+def _per_row(t: Any) -> Floats:
+    return np.asarray(t, dtype=float)[..., None]
+
+
+def _certified(share: Floats, start: Floats, bounded: bool) -> Floats:
+    """max(|start|, atanh(share)) where share < 1, else inf; the unbounded scheme has no such bound."""
+    holds = (share < 1) & bounded
+    return np.where(holds, np.maximum(np.abs(start), np.arctanh(np.where(holds, share, 0.0))), np.inf)

@@ -1,0 +1,67 @@
+"""A run as arrays: what trajectory.npz holds, written and read back."""
+
+from __future__ import annotations
+
+import struct
+import zipfile
+import zlib
+from dataclasses import dataclass
+from pathlib import Path
+from tokenize import TokenError
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...models.equations import State
+from ...models.errors import InputError
+from ...models.files.text import write_whole
+
+Floats = NDArray[np.float64]
+_UNREADABLE = (  # an array's heading may claim and hold anything
+    *(OSError, ValueError, KeyError, EOFError, RuntimeError, MemoryError),
+    *(zipfile.BadZipFile, zlib.error, struct.error, TokenError),
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """A run: times (K,), arrays (K, N) over the fleet."""
+
+    t: Floats  # s
+    state: State
+    tau_left: Floats  # N m
+    tau_right: Floats  # N m
+    V: Floats  # (K,), (17)
+    W: Floats  # (K,), (19)
+
+    def write(self, path: Path) -> None:
+        """trajectory.npz, written whole or not at all."""
+        torques = {"tau_left": self.tau_left, "tau_right": self.tau_right}
+        arrays: dict[str, Any] = {**self.state._asdict(), **torques, "V": self.V, "W": self.W}
+        write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
+
+
+def read_recording(path: Path) -> Recording:
+    """The run in a trajectory.npz. Raises InputError where the file is not one."""
+    names = ("t", *State._fields, "tau_left", "tau_right", "V", "W")
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            arrays = {name: np.asarray(stored[name], dtype=float) for name in names}
+    except _UNREADABLE as error:
+        raise InputError(f"{path}: is no trajectory.npz ({error}); simulate again") from None
+    t, fleet_wide = arrays["t"], [arrays[name] for name in names[1:-2]]
+    shape = fleet_wide[0].shape
+    consistent = (
+        t.ndim == 1
+        and len(t) > 0
+        and len(shape) == 2
+        and shape[0] == len(t)
+        and shape[1] > 0
+        and all(a.shape == shape for a in fleet_wide)
+        and all(arrays[name].shape == t.shape for name in "VW")
+    )
+    if not consistent:
+        raise InputError(f"{path}: its arrays do not have one row per time; simulate again")
+    state = State(*fleet_wide[:5])
+    return Recording(t, state, arrays["tau_left"], arrays["tau_right"], arrays["V"], arrays["W"])

@@ -1,0 +1,1 @@
+"""Runs from many starts: local or on a cluster, resumed, replayed, summarised."""
