@@ -18,8 +18,8 @@ _HOMES = {
     "Certificate": "verify.certificates.certify",
     "prove": "verify.proof",
     "simulate": "verify.simulation.simulate",
-    "write_report": "reports.html.report",
-    "export": "reports.export.export",
+    "write_report": "reports.html.page",
+    "export": "reports.export.formats",
 }
 
 __all__ = [*_HOMES, "__version__"]

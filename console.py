@@ -9,11 +9,26 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from copy import copy
+from dataclasses import dataclass
 from typing import Any
 
 from .models.errors import InputError, one_line
+from .models.warning_lines import show_warnings
 
 READER_LEFT = 141  # the exit code where nobody reads standard output any more, as a shell says it of SIGPIPE
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What a verb came to: the JSON document that it prints, and its exit code."""
+
+    document: Any  # JSON
+    exit_code: int = 0  # 0 done and true, 1 a claim is false, 4 undecided
+
+    @classmethod
+    def of(cls, document: Any, *, true: bool) -> Outcome:
+        """The outcome of a verb that checks a claim."""
+        return cls(document, 0 if true else 1)
 
 
 class Printer:
@@ -22,8 +37,7 @@ class Printer:
     def __init__(self, json: bool, quiet: bool, verbose: bool) -> None:
         """Keep the three switches that every verb has."""
         self.json, self.quiet, self.verbose = json, quiet, verbose
-        # A method that failed and was left out is a warning: it goes to standard error.
-        logging.getLogger(__package__).setLevel(logging.ERROR if quiet else logging.WARNING)
+        show_warnings(logging.ERROR if quiet else logging.WARNING)
 
     def silent(self) -> Printer:
         """The same, but for words and documents: for work inside a job that says more itself."""

@@ -1,4 +1,4 @@
-"""Where the runs take place: in processes of this machine or on a Dask cluster, behind one `Executor`."""
+"""The executor that design and validate share: processes of this machine, or a Dask cluster."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ from itertools import islice
 from typing import Any
 
 from .models.errors import InputError, UndecidedError
+from .models.warning_lines import show_warnings, shown_level
 
-AHEAD = 3  # jobs per worker that are handed out at a time
-CONNECT = "10s"  # to a scheduler
-PATIENCE = 3.0  # s that workers have to end; after an error or an interrupt they may be busy
-JOB_SECONDS = 7200  # of wall clock, after which the worker of a job is ended
+AHEAD = 3  # queued jobs per worker
+CONNECT = "10s"  # timeout of connecting to a scheduler
+PATIENCE = 3.0  # s that workers get to end; after an error or an interrupt they may be busy
+JOB_SECONDS = 7200  # s of wall clock for one job; beyond, its worker is ended
 
 
 @contextmanager
@@ -27,7 +28,7 @@ def local(workers: int | None = None) -> Iterator[tuple[Executor, int]]:
     count = workers or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     spawn = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
-    with _Pool(count, mp_context=spawn, initializer=_obey_the_parent) as pool:
+    with _Pool(count, mp_context=spawn, initializer=_begin_worker, initargs=(shown_level(),)) as pool:
         try:
             yield pool, count
         finally:
@@ -36,20 +37,20 @@ def local(workers: int | None = None) -> Iterator[tuple[Executor, int]]:
 
 
 def _end(workers: set[multiprocessing.process.BaseProcess]) -> None:
-    """Wait a little for workers that have nothing more to do, then end them: one may hang."""
+    """Wait a little for idle workers, then kill those that are left: one may hang."""
     end = time.monotonic() + PATIENCE
     for worker in workers:
         worker.join(max(0.0, end - time.monotonic()))
-    # Not before: the pool writes a traceback where a worker dies while it still holds jobs that are cancelled.
+    # Not earlier: the pool prints a traceback where a worker dies while cancelled jobs are still queued.
     for worker in workers:
         worker.kill()
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool whose workers know no interrupts and end with a job that takes too long."""
+    """A pool whose workers ignore interrupts and end where a job takes too long."""
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """See `Executor`; a worker that this starts inherits that interrupts are held back."""
+        """See `Executor`; a worker that this starts inherits the blocked interrupts."""
         if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(function, *args, **kwargs)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
@@ -68,10 +69,12 @@ def _in_time(seconds: int, function: Callable[..., Any], *args: Any, **kwargs: A
         signal.alarm(0)
 
 
-def _obey_the_parent() -> None:
-    """Leave interrupts to the process that gives out the work, although a terminal sends them to all; end with it."""
+def _begin_worker(level: int | None) -> None:
+    """Leave interrupts to the parent, although a terminal sends them to all; end with it; warn as it does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_the_parent, daemon=True).start()
+    if level is not None:
+        show_warnings(level)
 
 
 def _end_with_the_parent() -> None:
@@ -83,7 +86,7 @@ def _end_with_the_parent() -> None:
 
 @contextmanager
 def cluster(address: str) -> Iterator[tuple[Executor, int]]:
-    """An existing Dask cluster. Raises InputError where dask is not installed or nobody answers."""
+    """An existing Dask cluster. Raises InputError where dask is not installed or the scheduler does not answer."""
     try:
         from distributed import Client
     except ImportError:
@@ -103,9 +106,9 @@ def cluster(address: str) -> Iterator[tuple[Executor, int]]:
 def in_turn(
     executor: Executor, function: Callable[..., Any], jobs: Iterable[tuple[Any, ...]], workers: int
 ) -> Iterator[Any]:
-    """function(*job) of all jobs as they are done, a few per worker handed out at a time.
+    """The results of function(*job) as they come, with a few jobs per worker queued at a time.
 
-    Raises UndecidedError where a worker dies, or none is done with a job in time.
+    Raises UndecidedError where a worker dies, or no job ends in time.
     """
     left = iter(jobs)
     running: set[Future[Any]] = {executor.submit(function, *job) for job in islice(left, AHEAD * workers)}

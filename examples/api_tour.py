@@ -9,7 +9,7 @@ from gaincert import certify, design, export, load_fleet, prove, simulate, write
 from gaincert.models.conditions import exact_numbers, torque_bound
 from gaincert.models.errors import InputError
 from gaincert.models.files.text import write_json
-from gaincert.reports.export.deployment import write_fleet_copy
+from gaincert.reports.deployment import write_fleet_copy
 from gaincert.verify.simulation.simulate import summarize
 
 

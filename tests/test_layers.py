@@ -1,4 +1,4 @@
-"""Imports run one way and never in a circle: models <- parallel <- synthesis <- verify <- reports <- workflows <- cli."""
+"""Imports run one way, without a circle: models <- parallel <- synthesis <- verify <- reports <- workflows <- cli."""
 
 import ast
 import sys
@@ -7,8 +7,19 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-LAYERS = ["models", "parallel", "synthesis", "verify", "reports", "console", "workflows", "cli"]
-FOLDERS = ["models", "synthesis", "verify", "reports"]
+LAYERS = [
+    "models",
+    "parallel",
+    "synthesis",
+    "verify",
+    "reports",
+    "console",
+    "workflows",
+    "cli_options",
+    "cli_app",
+    "cli",
+]
+FOLDERS = ["models", "synthesis", "verify", "reports", "workflows"]
 SOURCES = [
     path for folder in FOLDERS for path in sorted((ROOT / folder).rglob("*.py")) if "templates" not in path.parts
 ]
@@ -77,7 +88,7 @@ def test_a_planted_circle_is_found(tmp_path: Path) -> None:
 
 
 def test_the_test_sees_imports() -> None:
-    assert {module[0] for module in IMPORTS["reports", "html", "report"]} >= {"models", "verify", "reports"}
+    assert {module[0] for module in IMPORTS["reports", "html", "page"]} >= {"models", "verify", "reports"}
 
 
 def test_the_kernel_imports_the_standard_library_only() -> None:

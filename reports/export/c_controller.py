@@ -11,11 +11,11 @@ from ...models.algebra.ops import numpy_ops
 from ...models.arrays import floats
 from ...models.equations import Plant, State, control
 from ...models.gains import GAIN_NAMES
-from ..html.render import render
+from ..deployment import Deployment
+from ..rendering import render
 from ..tables.gain_table import rows
 from ..tables.neighbours import neighbours
 from .casadi_source import control_source
-from .deployment import Deployment
 
 NAME = "gaincert_controller"
 LISTED = 200  # vehicles up to which the header lists the gains

@@ -10,9 +10,10 @@ from typing import Any
 from ...models.equations import Plant
 from ...models.gains import GAIN_NAMES
 from ...models.numbers import low, nominal
-from ..html.render import render, yaml_text
+from ..deployment import Deployment
+from ..escapes import yaml_text
+from ..rendering import render
 from ..tables.neighbours import Neighbours, neighbours
-from .deployment import Deployment
 
 NODE = "gaincert_node.py"
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")

@@ -16,9 +16,8 @@ from ...models.errors import InputError, UndecidedError
 from ...models.files.text import write_whole
 from ...models.fleet import Fleet
 from ...verify.simulation.recording import Recording, read_recording
-from ..export.deployment import fleet_of_folder
-from ..html.animation import shown_vehicles
-from .figures import COLOURS, LABELLED, STYLE, plain
+from ..deployment import fleet_of_folder
+from .style import COLOURS, LABELLED, STYLE, plain, shown_vehicles
 
 FRAMES = {"gif": 150, "mp4": 450}
 PER_SECOND = {"gif": 15, "mp4": 30}

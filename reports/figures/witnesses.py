@@ -11,7 +11,7 @@ from ...models.files.text import write_whole
 from ...verify.proof.witness_runs import bang_bang, rising_energy
 
 
-def write(folder: Path) -> list[Path]:
+def write_witness_figures(folder: Path) -> list[Path]:
     """witness_energy.svg and witness_bang_bang.svg in a folder; returns their paths."""
     return [_energy(folder / "witness_energy.svg"), _bang_bang(folder / "witness_bang_bang.svg")]
 

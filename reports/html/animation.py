@@ -11,8 +11,8 @@ from ...models.arrays import floats
 from ...models.fleet import Fleet
 from ...models.numbers import low
 from ...verify.simulation.recording import Floats, Recording
+from ..figures.style import shown_vehicles
 
-SHOWN = 60  # vehicles of a large fleet that move
 POSES = 60_000  # frames times vehicles
 FRAMES = (150, 1500)  # fewest and most
 EVEN = 0.3  # of the frames are spread evenly in time, the others go where the fleet moves
@@ -49,11 +49,6 @@ def animation_data(fleet: Fleet, run: Recording) -> dict[str, Any]:
         "edges": [[number[i], number[j]] for i, j in pairs if i in number and j in number],
         "led": [number[i] for i in np.flatnonzero(floats(graph.leader_weight)).tolist() if i in number],
     }
-
-
-def shown_vehicles(count: int, most: int = SHOWN) -> list[int]:
-    """All vehicles, or `most` of a large fleet, spread evenly."""
-    return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))
 
 
 def frame_indices(run: Recording, shown: list[int], most: int) -> NDArray[np.int64]:

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from ...models.errors import InputError
 from ...models.fleet import Fleet
-from ..export.deployment import Deployment, load_deployment
+from ..deployment import Deployment, load_deployment
 
 CERTIFIED = "Certified"
 

@@ -3,33 +3,45 @@
 from __future__ import annotations
 
 import math
-from typing import Any
+from typing import NamedTuple
 
 from ...models.conditions import CONDITION_SETS, Inequality, exact_numbers
-from ..export.deployment import Deployment
+from ..deployment import Deployment
 
 MOST = 2000  # vehicles up to which all sets are evaluated exactly
 
 
-def condition_rows(deployed: Deployment) -> list[dict[str, Any]]:
-    """One row per condition set: whether these gains meet it, and its tightest condition and vehicle."""
+class ConditionRow(NamedTuple):
+    """One condition set: whether the gains meet it, and where it is tightest."""
+
+    name: str
+    theorem: str  # what the set is sufficient for
+    conditions: str  # their equation numbers
+    holds: bool
+    requested: bool  # the set that the gains were designed or certified for
+    used: float  # the smaller side of the tightest condition over the larger one
+    where: str  # the tightest condition and its vehicle
+
+
+def condition_rows(deployed: Deployment) -> list[ConditionRow]:
+    """One row per condition set, exact; none for a fleet of more than MOST vehicles."""
     if len(deployed.fleet) > MOST:
         return []
-    limits = deployed.fleet.condition_data(deployed.excitation)
+    data = deployed.fleet.condition_data(deployed.excitation)
     rows = []
     for conditions in CONDITION_SETS.values():
-        sides = conditions.inequalities(exact_numbers(), limits, deployed.gains)
+        sides = conditions.inequalities(exact_numbers(), data, deployed.gains)
         used, source, vehicle = max(_tightest(side) for side in sides)
         rows.append(
-            {
-                "name": conditions.name,
-                "theorem": conditions.theorem,
-                "conditions": ", ".join(side.source for side in sides),
-                "holds": all(bool(holds) for side in sides for holds in side.holds),
-                "asked": conditions.name == deployed.conditions,
-                "used": used,
-                "where": f"{source}, vehicle {deployed.fleet.names[vehicle]}",
-            }
+            ConditionRow(
+                name=conditions.name,
+                theorem=conditions.theorem,
+                conditions=", ".join(side.source for side in sides),
+                holds=all(bool(holds) for side in sides for holds in side.holds),
+                requested=conditions.name == deployed.conditions,
+                used=used,
+                where=f"{source}, vehicle {deployed.fleet.names[vehicle]}",
+            )
         )
     return rows
 

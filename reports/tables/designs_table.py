@@ -5,13 +5,13 @@ from __future__ import annotations
 import json
 import math
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...models.errors import InputError, one_line
 from ...models.files.fleet_file import MAX_CSV_BYTES
 from ...models.files.text import read_text
 
-HEADINGS = {  # of the columns, in order
+HEADINGS = {  # of the columns, in order; the keys are fields of DesignRow
     "name": "gains",
     "conditions": "conditions",
     "psi": "psi",
@@ -19,17 +19,31 @@ HEADINGS = {  # of the columns, in order
     "settled": "settled",
     "median": "median",
     "worst": "slowest",
-    "ratio": "of the limit",
+    "ratio": "median / physical limit",
     "peak": "peak torque",
     "speed": "top speed",
 }
+IN_NAMES = ("conditions", "psi", "weights")  # what the names of compared folders say already
 
 
-def design_rows(folder: Path) -> list[dict[str, Any]]:
-    """One row per folder that holds a design.json or a validation.json, if there are several.
+class DesignRow(NamedTuple):
+    """One design; texts for a table, and the settling time of every start."""
 
-    The entries under the keys of HEADINGS are texts, `times` (s, inf where not settled) are those of every start.
-    """
+    name: str
+    conditions: str
+    psi: str
+    weights: str
+    settled: str
+    median: str
+    worst: str
+    ratio: str
+    peak: str
+    speed: str
+    times: tuple[float, ...]  # s, inf where not settled
+
+
+def design_rows(folder: Path) -> list[DesignRow]:
+    """One row per folder that holds a design.json or a validation.json, if there are several."""
     places = [folder, *sorted(path for path in folder.glob("*") if path.is_dir())]
     found = [place for place in places if any((place / f"{name}.json").is_file() for name in ("design", "validation"))]
     if len(found) < 2:
@@ -37,26 +51,31 @@ def design_rows(folder: Path) -> list[dict[str, Any]]:
     return [_row(place, "this design" if place == folder else place.name) for place in found]
 
 
-def _row(place: Path, name: str) -> dict[str, Any]:
+def as_json(rows: list[DesignRow]) -> list[dict[str, Any]]:
+    """The rows without the times of every start."""
+    return [{key: value for key, value in row._asdict().items() if key != "times"} for row in rows]
+
+
+def _row(place: Path, name: str) -> DesignRow:
     design, validation, summary = (
         read_json(place / f"{part}.json") or {} for part in ("design", "validation", "summary")
     )
     try:
         measured = validation["settling_time_s"]["each"] if validation else design["measured_settling_s"]
         times = [math.inf if time is None else float(time) for time in measured]
-        return {
-            "name": name,
-            "conditions": str(design.get("conditions", "-")),
-            "psi": ("designed" if design["excitation_designed"] else "given") if design else "given",
-            "weights": "designed" if design.get("weights") else "given",
-            "times": times,
-            "settled": f"{sum(map(math.isfinite, times))} of {len(times)}",
-            "median": _time(sorted(times)[len(times) // 2]) if times else "not measured",
-            "worst": _time(max(times)) if times else "not measured",
-            "ratio": _number((validation.get("ratio_to_physical_limit") or {}).get("median"), "{:.3g} x"),
-            "peak": _number((validation or summary).get("peak_torque_ratio"), "{:.1%}"),
-            "speed": _number((validation or summary).get("peak_speed"), "{:.3g} m/s"),
-        }
+        return DesignRow(
+            name=name,
+            conditions=str(design.get("conditions", "-")),
+            psi=("designed" if design["excitation_designed"] else "given") if design else "given",
+            weights="designed" if design.get("weights") else "given",
+            settled=f"{sum(map(math.isfinite, times))} of {len(times)}",
+            median=_time(sorted(times)[len(times) // 2]) if times else "not measured",
+            worst=_time(max(times)) if times else "not measured",
+            ratio=_number((validation.get("ratio_to_physical_limit") or {}).get("median"), "{:.3g} x"),
+            peak=_number((validation or summary).get("peak_torque_ratio"), "{:.1%}"),
+            speed=_number((validation or summary).get("peak_speed"), "{:.3g} m/s"),
+            times=tuple(times),
+        )
     except (KeyError, TypeError, ValueError, AttributeError):
         raise InputError(f"{place}: a file in it is not of this version; write it again") from None
 
@@ -69,18 +88,18 @@ def _number(value: Any, form: str) -> str:
     return "-" if value is None else form.format(float(value))
 
 
-def for_terminal(rows: list[dict[str, Any]]) -> Any:
-    """A rich table of the rows; names say what the designs are under."""
+def for_terminal(rows: list[DesignRow]) -> Any:
+    """A rich table of the rows."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
 
     shown = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    columns = {key: heading for key, heading in HEADINGS.items() if key not in ("conditions", "psi", "weights")}
+    columns = {key: heading for key, heading in HEADINGS.items() if key not in IN_NAMES}
     for heading in columns.values():
         shown.add_column(heading, justify="right" if len(shown.columns) else "left", no_wrap=True)
     for row in rows:
-        shown.add_row(*(Text(one_line(row[key])) for key in columns))
+        shown.add_row(*(Text(one_line(getattr(row, key))) for key in columns))
     return shown
 
 

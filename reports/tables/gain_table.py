@@ -7,7 +7,7 @@ import io
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ...models.conditions import exact_numbers, torque_bound
 from ...models.errors import one_line
@@ -17,24 +17,40 @@ from ...models.fleet import Fleet
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.numbers import decimal_text
 
-COLUMNS = ("vehicle", *GAIN_NAMES, "torque_bound", "torque_limit", "margin")
 DIGITS = 8  # of a torque bound, rounded up
 
 
-def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[dict[str, str]]:
-    """One row per vehicle: exact gains, T of (16*) rounded up, the smaller torque limit, the margin rounded down."""
-    limits = fleet.condition_data(excitation)
-    bounds = torque_bound(exact_numbers(), limits, gains)
-    table = []
-    for i, name in enumerate(fleet.names):
-        entries = {key: decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES}
-        torques = {
-            "torque_bound": decimal(bounds[i], ROUND_CEILING),
-            "torque_limit": decimal_text(limits.torque[i]),
-            "margin": decimal(limits.torque[i] - bounds[i], ROUND_FLOOR),
-        }
-        table.append({"vehicle": name, **entries, **torques})
-    return table
+class GainRow(NamedTuple):
+    """One vehicle: gains as exact decimal texts, torques (N m) as rounded ones."""
+
+    vehicle: str
+    p_v: str
+    d_v: str
+    p_omega: str
+    d_omega: str
+    k_alpha: str
+    torque_bound: str  # T of (16*), rounded up
+    torque_limit: str  # the smaller one of both wheels
+    margin: str  # rounded down
+
+
+COLUMNS = GainRow._fields
+
+
+def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[GainRow]:
+    """One row per vehicle."""
+    data = fleet.condition_data(excitation)
+    bounds = torque_bound(exact_numbers(), data, gains)
+    return [
+        GainRow(
+            name,
+            *(decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES),
+            torque_bound=decimal(bounds[i], ROUND_CEILING),
+            torque_limit=decimal_text(data.torque[i]),
+            margin=decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
+        )
+        for i, name in enumerate(fleet.names)
+    ]
 
 
 def decimal(value: Fraction, rounding: str, digits: int = DIGITS) -> str:
@@ -43,16 +59,14 @@ def decimal(value: Fraction, rounding: str, digits: int = DIGITS) -> str:
     return f"{context.divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
 
 
-def write_csv(path: Path, table: list[dict[str, str]]) -> Path:
+def write_csv(path: Path, table: list[GainRow]) -> Path:
     """gains.csv."""
     text = io.StringIO()
-    writer = csv.DictWriter(text, COLUMNS, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table)
+    csv.writer(text, lineterminator="\n").writerows([COLUMNS, *table])
     return write_text(path, text.getvalue())
 
 
-def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
+def for_terminal(table: list[GainRow], most: int = 20) -> Any:
     """A rich table of the first rows."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
@@ -65,7 +79,7 @@ def for_terminal(table: list[dict[str, str]], most: int = 20) -> Any:
         heading = key.removeprefix("torque_")
         shown.add_column(heading, justify="left" if key == "vehicle" else "right", no_wrap=True)
     for row in table[:most]:
-        shown.add_row(Text(one_line(row["vehicle"])), *(f"{float(row[key]):.4g}" for key in COLUMNS[1:]))
+        shown.add_row(Text(one_line(row.vehicle)), *(f"{float(text):.4g}" for text in row[1:]))
     if len(table) > most:
         shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
     return shown

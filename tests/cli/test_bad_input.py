@@ -32,7 +32,7 @@ from gaincert.cli import main
 from gaincert.models.errors import one_line
 from gaincert.models.files.fleet_file import graph_mistakes, parse
 from gaincert.models.files.gains_file import load_gains
-from gaincert.reports.export.deployment import write_fleet_copy
+from gaincert.reports.deployment import write_fleet_copy
 from gaincert.verify.certificates.certify import certify
 
 from tests.models.test_urdf import ROBOT

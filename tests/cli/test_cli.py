@@ -10,7 +10,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from gaincert.workflows import _variants
+from gaincert.models.tolerance import Tolerance
+from gaincert.workflows.compare import variants_of
+from gaincert.workflows.design import DesignOptions
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
@@ -265,7 +267,8 @@ def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Pa
 def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) -> None:
     fleet = SimpleNamespace(psi=object() if given else None)
     made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None)
-    variants = [tuple(choice.values()) for choice in _variants(fleet, made)]
+    options = DesignOptions("best", "paper", "designed", "given", 0, 4, 600.0, Tolerance(), None)
+    variants = [(v.conditions, v.excitation, v.weights) for v in variants_of(fleet, made, options)]
     assert len(set(variants)) == len(variants) == (11 if given else 5)
     assert ("paper", "designed", "given") not in variants
     assert any(choice[1] == "given" for choice in variants) == given

@@ -5,10 +5,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from gaincert.models.errors import InputError
-from gaincert.models.files.starts_file import load_starts
+from gaincert.models.files.starts_file import COLUMNS, load_starts
 from gaincert.models.fleet import Fleet
 from gaincert.models.paper import paper_fleet
-from gaincert.models.files.starts_file import COLUMNS
 from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.models.tolerance import Tolerance
 from gaincert.synthesis.design import prepare

@@ -11,7 +11,7 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES
 from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
-from gaincert.reports.export.deployment import write_fleet_copy
+from gaincert.reports.deployment import write_fleet_copy
 from gaincert.reports.tables.gain_table import rows, write_csv
 from gaincert.verify.certificates.certify import certify
 from gaincert.verify.simulation.simulate import simulate, summarize

@@ -5,7 +5,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from gaincert.reports.html.report import write_report
+from gaincert.reports.html.page import write_report
 
 from tests.reports.report_folder import ATTACKS, fill, renamed
 

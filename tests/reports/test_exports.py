@@ -21,11 +21,11 @@ from gaincert.models.files.fleet_text import dumps
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.reports.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
+from gaincert.reports.escapes import c_comment, no_formula, yaml_text
 from gaincert.reports.export import casadi_source
-from gaincert.reports.export.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
-from gaincert.reports.export.export import FORMATS, export, no_formula
+from gaincert.reports.export.formats import FORMATS, export
 from gaincert.reports.export.ros2 import namespaces
-from gaincert.reports.html.render import c_comment, yaml_text
 from gaincert.verify.certificates.certify import certify
 
 ROOT = Path(__file__).parents[2]
@@ -235,7 +235,7 @@ def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
     deployed = deployed_of(fleet, paper_excitation(), paper_gains())
     text = FORMATS["latex"](deployed)["gains.tex"]
     if many > 1:  # a table that breaks over pages
-        from gaincert.reports.export import export as exports
+        from gaincert.reports.export import formats as exports
 
         text = long_table(exports, deployed)
     (tmp_path / "gains.tex").write_text(text)

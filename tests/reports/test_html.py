@@ -16,12 +16,12 @@ import pytest
 from gaincert.models.equations import State
 from gaincert.models.errors import InputError
 from gaincert.models.paper import paper_fleet
-from gaincert.reports.export.deployment import load_deployment
+from gaincert.reports.deployment import load_deployment
+from gaincert.reports.escapes import script_json
 from gaincert.reports.figures.movie import write_movie
 from gaincert.reports.html.animation import ANGLE, RATIO, animation_data, frame_indices
 from gaincert.reports.html.embed import safe_mathml
-from gaincert.reports.html.render import script_json
-from gaincert.reports.html.report import write_report
+from gaincert.reports.html.page import write_report
 from gaincert.reports.tables.conditions_table import condition_rows
 from gaincert.reports.tables.designs_table import design_rows
 from gaincert.verify.simulation.recording import Recording, read_recording
@@ -173,18 +173,18 @@ def test_an_empty_folder_is_refused(tmp_path):
 
 
 def test_the_condition_sets_are_compared(folder):
-    found = {row["name"]: row for row in condition_rows(load_deployment(folder, paper_fleet()))}
-    assert [found[name]["holds"] for name in ("paper", "corrected", "rate-bounded")] == [True, True, False]
-    assert found["paper"]["asked"]
-    assert found["paper"]["used"] == pytest.approx(503.52 / 504, abs=1e-3)  # THEORY: (16) is tight
-    assert found["rate-bounded"]["where"].startswith("(15'), vehicle v")
+    found = {row.name: row for row in condition_rows(load_deployment(folder, paper_fleet()))}
+    assert [found[name].holds for name in ("paper", "corrected", "rate-bounded")] == [True, True, False]
+    assert found["paper"].requested
+    assert found["paper"].used == pytest.approx(503.52 / 504, abs=1e-3)  # THEORY: (16) is tight
+    assert found["rate-bounded"].where.startswith("(15'), vehicle v")
 
 
 def test_designs_in_folders_are_compared(folder, tmp_path):
     shutil.copytree(folder, tmp_path / "x")
     assert design_rows(tmp_path / "x") == []
     shutil.copytree(folder, tmp_path / "x" / "<other>")
-    assert [row["name"] for row in design_rows(tmp_path / "x")] == ["this design", "<other>"]
+    assert [row.name for row in design_rows(tmp_path / "x")] == ["this design", "<other>"]
     page = write_report(tmp_path / "x").read_text()
     assert "Designs side by side" in page
     assert "&lt;other&gt;" in page

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 from defusedxml import ElementTree
 from gaincert.models.paper import paper_fleet
-from gaincert.reports.proof import report as proof_report
+from gaincert.reports.proof import documents as proof_report
 from gaincert.reports.proof.notation import latex, mathml
 from gaincert.verify import proof
 from gaincert.verify.proof.claim import Status
@@ -25,7 +25,7 @@ def claims():
 @pytest.fixture(scope="module")
 def folder(claims, tmp_path_factory):
     folder = tmp_path_factory.mktemp("proof")
-    proof_report.write(claims, folder)
+    proof_report.write_documents(claims, folder)
     return folder
 
 
@@ -65,7 +65,7 @@ def hostile_claims():
 
 
 def test_hostile_names_are_escaped(tmp_path):
-    proof_report.write(hostile_claims(), tmp_path)
+    proof_report.write_documents(hostile_claims(), tmp_path)
     html = (tmp_path / "proof.html").read_text()
     assert "<script" not in html
     tex = (tmp_path / "proof.tex").read_text()
@@ -77,7 +77,7 @@ def test_hostile_names_are_escaped(tmp_path):
 @pytest.mark.skipif(shutil.which("pdflatex") is None, reason="pdflatex is not installed")
 @pytest.mark.parametrize("hostile", [False, True])
 def test_latex_compiles(claims, tmp_path, hostile):
-    proof_report.write(hostile_claims() if hostile else claims, tmp_path)
+    proof_report.write_documents(hostile_claims() if hostile else claims, tmp_path)
     done = subprocess.run(
         ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "proof.tex"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120,
@@ -97,5 +97,5 @@ def test_every_symbol_is_typeset():
 def test_figures_of_the_witnesses(tmp_path):
     from gaincert.reports.figures import witnesses as proof_figures
 
-    for path in proof_figures.write(tmp_path):
+    for path in proof_figures.write_witness_figures(tmp_path):
         ElementTree.parse(path)

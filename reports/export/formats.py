@@ -10,9 +10,10 @@ from pathlib import Path
 from ...models.errors import InputError
 from ...models.files.text import write_text
 from ...models.gains import GAIN_NAMES
-from ..html.render import render
+from ..deployment import Deployment, fleet_of_folder, load_deployment
+from ..escapes import no_formula
+from ..rendering import render
 from ..tables.gain_table import COLUMNS, rows
-from .deployment import Deployment, fleet_of_folder, load_deployment
 
 LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
@@ -30,16 +31,11 @@ def csv_files(deployed: Deployment) -> dict[str, str]:
     """The gain table with its origin in every row, safe to open in a spreadsheet."""
     evidence = deployed.evidence
     text = io.StringIO()
-    writer = csv.DictWriter(text, (*COLUMNS, *evidence), lineterminator="\n")
-    writer.writeheader()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow((*COLUMNS, *evidence))
     for row in rows(deployed.fleet, deployed.excitation, deployed.gains):
-        writer.writerow({**row, "vehicle": no_formula(row["vehicle"]), **evidence})
+        writer.writerow((*row._replace(vehicle=no_formula(row.vehicle)), *evidence.values()))
     return {SPREADSHEET: text.getvalue()}
-
-
-def no_formula(text: str) -> str:
-    """Text that no spreadsheet takes for a formula: an apostrophe before what would begin one."""
-    return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")) else text
 
 
 def latex_files(deployed: Deployment) -> dict[str, str]:

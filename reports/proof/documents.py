@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from ...models.files.text import write_text
 from ...verify.proof.claim import Claim, Status
+from .. import rendering
 from . import graph as proof_graph
 from .notation import latex, mathml
 
@@ -23,7 +23,7 @@ HEADINGS = {
 }
 
 
-def write(claims: Sequence[Claim], folder: Path) -> list[Path]:
+def write_documents(claims: Sequence[Claim], folder: Path) -> list[Path]:
     """Write the five files into a folder, each whole or not at all; returns their paths."""
     graph = proof_graph.draw(claims)
     contents = {
@@ -66,54 +66,21 @@ def formulas(claim: Claim) -> list[tuple[str, Any]]:
     return [(name, getattr(claim, name)) for name in names if getattr(claim, name) is not None]
 
 
-def render(name: str, claims: Sequence[Claim], **more: Any) -> str:
+def render(name: str, claims: Sequence[Claim], graph: str = "") -> str:
     """One of the three documents from its template."""
-    from jinja2 import Environment, PackageLoader
-
-    environment = Environment(
-        loader=PackageLoader("gaincert.reports", "templates"),
-        autoescape=name.endswith(".html"),
-        trim_blocks=True,
-        lstrip_blocks=True,
-        keep_trailing_newline=True,
-        **(_TEX_MARKS if name.endswith(".tex") else {}),
+    groups = [(HEADINGS[status], status, [c for c in claims if c.status is status]) for status in ORDER]
+    return rendering.render(
+        name,
+        groups=[group for group in groups if group[2]],
+        claims=claims,
+        theorem=next((c for c in claims if c.id == "theorem"), None),
+        graph=graph,
+        latex=latex,
+        mathml=_safe_mathml,
     )
-    environment.filters.update(tex=tex_text, md=markdown_text, latex=latex, mathml=_safe_mathml)
-    groups = [(HEADINGS[s], s, [c for c in claims if c.status is s]) for s in ORDER]
-    theorem = next((c for c in claims if c.id == "theorem"), None)
-    template = environment.get_template(f"{name}.jinja")
-    return template.render(groups=[g for g in groups if g[2]], claims=claims, theorem=theorem, **more)
-
-
-_TEX_MARKS: dict[str, Any] = {
-    "block_start_string": "<%",
-    "block_end_string": "%>",
-    "variable_start_string": "<<",
-    "variable_end_string": ">>",
-    "comment_start_string": "<#",
-    "comment_end_string": "#>",
-}
 
 
 def _safe_mathml(expression: Any) -> Any:
     from markupsafe import Markup
 
     return Markup(mathml(expression))  # noqa: S704 -- built from our own symbols by an XML writer, which escapes
-
-
-_TEX = {
-    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "_": r"\_", "^": r"\textasciicircum{}", "&": r"\&", "%": r"\%",
-    "$": r"\$", "#": r"\#", "~": r"\textasciitilde{}", "<": r"\textless{}", ">": r"\textgreater{}", "|": r"\textbar{}",
-    '"': "''", "\n": " ", "\r": " ", "-": "{-}",
-}  # fmt: skip
-
-
-def tex_text(text: str) -> str:
-    """Plain text for LaTeX: every special character escaped, what pdflatex has no glyph for by its code point."""
-    return "".join(_TEX.get(c, c if " " <= c <= "~" else f"[U+{ord(c):04X}]") for c in str(text))
-
-
-def markdown_text(text: str) -> str:
-    """Plain text for Markdown: markup and HTML escaped, one line."""
-    line = " ".join(str(text).split()).replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
-    return re.sub(r"([\\`*_{}\[\]#|~$])", r"\\\1", line)

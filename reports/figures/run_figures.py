@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from ...models.algebra.ops import numpy_ops
 from ...models.arrays import floats
 from ...models.equations import across
-from ...models.files.text import write_whole
 from ...models.fleet import Fleet
 from ...models.numbers import low
+from .style import COLOURS, LABEL, LABELLED, STYLE, plain, save, shown_vehicles
 
 if TYPE_CHECKING:
     from ...verify.simulation.recording import Recording
@@ -22,23 +22,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 POINTS = 1500  # drawn per line
-LABELLED = 10  # fleets up to this size are labelled vehicle by vehicle
-DRAWN = 60  # vehicles of a large fleet that are drawn
-LONGEST_NAME = 20  # characters of a vehicle's name that are drawn
 FLOOR = 1e-6  # of a logarithmic axis
-
-STYLE = {
-    "font.size": 9,
-    "axes.grid": True,
-    "grid.alpha": 0.3,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "svg.hashsalt": "gaincert",
-    "figure.constrained_layout.use": True,
-}
-LABEL = {"boxstyle": "square,pad=0.15", "fc": "white", "ec": "none", "alpha": 0.8}  # behind a label on lines
-# Okabe and Ito's colours, told apart by colour-blind readers, and two greys.
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000", "#8C6D31", "#7F7F7F", "#5B3A8C")
 
 
 def write_figures(fleet: Fleet, runs: Mapping[str, Recording], folder: Path) -> list[Path]:
@@ -67,22 +51,10 @@ def write_figures(fleet: Fleet, runs: Mapping[str, Recording], folder: Path) -> 
     return written
 
 
-def save(figure: Any, path: Path) -> list[Path]:
-    """Write a figure as SVG and PNG, the same bytes for the same data."""
-    metadata = {"svg": {"Date": None}, "png": {"Software": None}}
-    return [
-        write_whole(
-            path.with_suffix(f".{kind}"),
-            lambda file, kind=kind: figure.savefig(file, format=kind, dpi=150, metadata=metadata[kind]),  # type: ignore[misc]
-        )
-        for kind in ("svg", "png")
-    ]
-
-
 def _paths(axis: Any, fleet: Fleet, run: Recording) -> None:
     """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
     keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
-    for i in _drawn(fleet):
+    for i in shown_vehicles(len(fleet)):
         colour = COLOURS[i % len(COLOURS)]
         axis.plot(run.state.x[keep, i], run.state.y[keep, i], color=colour, lw=0.9)
         for k, fill in ((0, "none"), (-1, colour)):
@@ -114,7 +86,7 @@ def _poses(axes: Any, fleet: Fleet, run: Recording) -> None:
     )
     keep = _thinned(len(run.t))
     for axis, (values, goal, label) in zip(axes, rows, strict=True):
-        for i in _drawn(fleet):
+        for i in shown_vehicles(len(fleet)):
             axis.plot(
                 run.t[keep], values[keep, i], color=COLOURS[i % len(COLOURS)], lw=0.8, label=plain(fleet.names[i])
             )
@@ -135,7 +107,7 @@ def _cross_track(axis: Any, fleet: Fleet, run: Recording) -> None:
     # The excitation makes the error swing through 0: what decays is its envelope.
     t, peaks = _peaks(run.t[later], size[later], np.geomspace)
     envelope = np.maximum(np.maximum.accumulate(peaks[::-1])[::-1], FLOOR)
-    for i in _drawn(fleet):
+    for i in shown_vehicles(len(fleet)):
         axis.plot(t, envelope[:, i], color=COLOURS[i % len(COLOURS)], lw=1, label=plain(fleet.names[i]))
     tail = t[t >= t[-1] / 10]
     line = 1.6 * envelope[-1].max() * np.sqrt(t[-1] / tail)
@@ -151,7 +123,7 @@ def _torques(axis: Any, fleet: Fleet, run: Recording) -> None:
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
     ratio = np.maximum(np.abs(run.tau_left) / left, np.abs(run.tau_right) / right)
     t, peaks = _peaks(run.t, ratio)
-    for i in _drawn(fleet):
+    for i in shown_vehicles(len(fleet)):
         axis.plot(
             t, np.maximum(peaks[:, i], FLOOR), color=COLOURS[i % len(COLOURS)], lw=0.8, label=plain(fleet.names[i])
         )
@@ -178,11 +150,6 @@ def _legend(figure: Any, axis: Any) -> None:
     figure.legend(handles, labels, loc="outside lower center", ncols=columns, frameon=False)
 
 
-def _drawn(fleet: Fleet) -> list[int]:
-    """The vehicles that are drawn: all, or DRAWN of a large fleet, spread evenly."""
-    return sorted(set(np.linspace(0, len(fleet) - 1, min(len(fleet), DRAWN)).astype(int).tolist()))
-
-
 def _thinned(count: int, spread: Callable[[float, float, int], Floats] = np.linspace) -> NDArray[np.intp]:
     """At most POINTS indices from 0 to count - 1, spread evenly or by `spread`."""
     return np.unique(np.round(spread(1, count, min(count, POINTS)) - 1).astype(np.intp))
@@ -194,9 +161,3 @@ def _peaks(
     """The largest of `values` (K, N) in each of at most POINTS intervals."""
     edges = _thinned(len(t), spread)
     return t[edges], np.maximum.reduceat(values, edges, axis=0)
-
-
-def plain(name: str) -> str:
-    """A name that matplotlib does not read as mathematics and that fits beside a line."""
-    shown = "".join(c if c.isprintable() else "?" for c in name)
-    return (shown if len(shown) <= LONGEST_NAME else shown[: LONGEST_NAME - 1] + "…").replace("$", r"\$")

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from .figures import COLOURS, LABEL, STYLE, plain, save
+from ..tables.designs_table import DesignRow
+from .style import COLOURS, LABEL, STYLE, plain, save
 
 BINS = 30
 
@@ -43,18 +44,18 @@ def _title(settled: int, starts: int) -> str:
     return f"{starts} starts" + (f", {lost} of them not settled" if lost else ", all settle")
 
 
-def write_designs(designs: list[dict[str, Any]], folder: Path) -> list[Path]:
-    """designs.svg and .png from the rows of `designs_table.design_rows`: one dot per start, a bar at the median."""
+def write_designs(designs: list[DesignRow], folder: Path) -> list[Path]:
+    """designs.svg and .png: one dot per start of every design, a bar at the median."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    finite = [time for design in designs for time in design["times"] if math.isfinite(time)]
+    finite = [time for design in designs for time in design.times if math.isfinite(time)]
     beyond = 1.15 * max(finite, default=1.0)  # where a start that does not settle is drawn
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.8, 1.2 + 0.55 * len(designs)))
         axis = figure.subplots()
         for row, design in enumerate(designs):
-            times = np.minimum(sorted(design["times"]), beyond)
+            times = np.minimum(sorted(design.times), beyond)
             if not times.size:
                 continue
             colour = COLOURS[row % len(COLOURS)]
@@ -62,9 +63,9 @@ def write_designs(designs: list[dict[str, Any]], folder: Path) -> list[Path]:
             axis.plot(times[~lost], np.full((~lost).sum(), row), "o", color=colour, ms=5, alpha=0.7)
             axis.plot(times[lost], np.full(lost.sum(), row), "x", color=colour, ms=6)
             axis.plot([times[len(times) // 2]] * 2, [row - 0.3, row + 0.3], color=colour, lw=2)
-        names = [f"{plain(design['name'])} ({plain(design['conditions'])})" for design in designs]
+        names = [f"{plain(design.name)} ({plain(design.conditions)})" for design in designs]
         axis.set_yticks(range(len(designs)), names)
         axis.set(xlabel="settling time / s", ylim=(len(designs) - 0.4, -0.6), xlim=(0, 1.05 * beyond))
-        if any(len(design["times"]) > sum(map(math.isfinite, design["times"])) for design in designs):
+        if any(len(design.times) > sum(map(math.isfinite, design.times)) for design in designs):
             axis.set_xlabel("settling time / s; a cross did not settle")
         return save(figure, folder / "designs")

@@ -9,20 +9,20 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from ... import __version__
-from ...models.arrays import Array
-from ...models.conditions import exact_numbers, torque_bound
-from ...models.errors import InputError
-from ...models.excitation import Excitation
-from ...models.files.fleet_file import load_fleet
-from ...models.files.fleet_text import dumps
-from ...models.files.gains_file import load_gains
-from ...models.files.text import write_text
-from ...models.fleet import Fleet
-from ...models.fleet_tables import Harmonics, Links, SquareWave
-from ...models.gains import GAIN_NAMES, Gains
-from ...models.numbers import decimal_text
-from ..versions import versions
+from .. import __version__
+from ..models.arrays import Array
+from ..models.conditions import exact_numbers, torque_bound
+from ..models.errors import InputError
+from ..models.excitation import Excitation
+from ..models.files.fleet_file import load_fleet
+from ..models.files.fleet_text import dumps
+from ..models.files.gains_file import load_gains
+from ..models.files.text import write_text
+from ..models.fleet import Fleet
+from ..models.fleet_tables import Harmonics, Links, SquareWave
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.numbers import decimal_text
+from .versions import versions
 
 FLEET_COPY = "fleet_copy.toml"  # not fleet.toml: a fleet file of the user's own may lie in the same folder
 COPIED = 20_000  # vehicles up to which a folder gets a copy of its fleet
@@ -113,7 +113,7 @@ def _designed(path: Path, fleet: Fleet) -> Deployment:
 
 def _certified(path: Path, fleet: Fleet) -> Deployment:
     """The content of a certificate, after the kernel has accepted it for this fleet."""
-    from ...verify.certificates.certify import Certificate
+    from ..verify.certificates.certify import Certificate
 
     certificate = Certificate.read(path, fleet)
     if not certificate.valid:

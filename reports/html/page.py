@@ -14,13 +14,13 @@ from ...models.files.fleet_file import MAX_CSV_BYTES
 from ...models.files.text import read_text, write_text
 from ...models.fleet import Fleet
 from ...verify.simulation.recording import Recording, read_recording
-from ..export.deployment import FLEET_COPY, Deployment, fleet_of_folder
+from ..deployment import FLEET_COPY, Deployment, fleet_of_folder
+from ..rendering import render, undefined_error
 from ..tables.conditions_table import condition_rows
 from ..tables.designs_table import HEADINGS, design_rows, read_json
-from ..tables.gain_table import COLUMNS, rows
+from ..tables.gain_table import COLUMNS, GainRow, rows
 from .animation import animation_data
 from .embed import figure_data, safe_mathml, script_hash
-from .render import render, undefined_error
 from .verdicts import (
     CERTIFIED,
     Verdict,
@@ -88,8 +88,7 @@ def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[
             *validation_verdicts(found["validation"]),
             *proof_verdict(claims),
         ],
-        "gains": [{**row, "share": _share(row)} for row in gains[:SHOWN]],
-        "columns": COLUMNS,
+        "gains": [(row, _share(row)) for row in gains[:SHOWN]],
         "hidden": max(0, len(gains) - SHOWN),
         "conditions": condition_rows(deployed) if deployed else [],
         "designs": design_rows(folder),
@@ -128,8 +127,8 @@ def _recording(folder: Path, fleet: Fleet | None) -> Recording | None:
 
 def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, recording: Recording | None) -> None:
     """The figures that need more than one verb's files, and those of a run that is there without them."""
-    from ..figures.figures import write_figures
-    from ..figures.starts import write_designs, write_settling
+    from ..figures.run_figures import write_figures
+    from ..figures.settling_times import write_designs, write_settling
 
     figures = folder / "figures"
     if validation:
@@ -140,7 +139,7 @@ def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, recording: 
         write_figures(fleet, {"simulation": recording}, figures)
 
 
-def _gain_rows(folder: Path, deployed: Deployment | None) -> list[dict[str, str]]:
+def _gain_rows(folder: Path, deployed: Deployment | None) -> list[GainRow]:
     """The gain table, computed where the fleet is known, else as gains.csv has it."""
     if deployed:
         return rows(deployed.fleet, deployed.excitation, deployed.gains)
@@ -148,12 +147,13 @@ def _gain_rows(folder: Path, deployed: Deployment | None) -> list[dict[str, str]
     if not path.is_file():
         return []
     # Not splitlines: a name may hold what Unicode calls a line separator.
-    return list(csv.DictReader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline="")))
+    table = csv.DictReader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
+    return [GainRow(*(row[key] for key in COLUMNS)) for row in table]
 
 
-def _share(row: dict[str, str]) -> float:
+def _share(row: GainRow) -> float:
     """The torque bound in per cent of the limit."""
-    return round(100 * float(row["torque_bound"]) / float(row["torque_limit"]), 1)
+    return round(100 * float(row.torque_bound) / float(row.torque_limit), 1)
 
 
 def _times(design: dict[str, Any] | None) -> str:

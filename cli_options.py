@@ -1,0 +1,195 @@
+"""The options and arguments of the command line, each declared once: its type, its limits and its help."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+
+class Template(StrEnum):
+    """Fleets that `init` writes."""
+
+    paper = "paper"
+    line = "line"
+    ring = "ring"
+    turtlebot3 = "turtlebot3"
+
+
+class Mode(StrEnum):
+    """How long `design` searches."""
+
+    fast = "fast"
+    best = "best"
+
+
+class Conditions(StrEnum):
+    """Condition sets."""
+
+    paper = "paper"
+    corrected = "corrected"
+    rate_bounded = "rate-bounded"
+
+
+class Source(StrEnum):
+    """Whether psi or the weights come from the fleet file or are designed."""
+
+    given = "given"
+    designed = "designed"
+
+
+class Format(StrEnum):
+    """What `export` writes."""
+
+    ros2 = "ros2"
+    c = "c"
+    latex = "latex"
+    csv = "csv"
+    markdown = "markdown"
+
+
+class Animation(StrEnum):
+    """File formats of an animation."""
+
+    gif = "gif"
+    mp4 = "mp4"
+
+
+class Scheme(StrEnum):
+    """The paper's controller, or its comparison with tanh(s) replaced by s."""
+
+    bounded = "bounded"
+    unbounded = "unbounded"
+
+
+class Engine(StrEnum):
+    """The integrator of `simulate`."""
+
+    auto = "auto"
+    cvodes = "cvodes"
+    scale = "scale"
+
+
+class Method(StrEnum):
+    """The integrator of `validate`."""
+
+    auto = "auto"
+    cvodes = "cvodes"
+    dop853 = "dop853"
+
+
+# Switches of every verb.
+Json = Annotated[bool, typer.Option("--json", help="print one JSON document; messages go to standard error")]
+Quiet = Annotated[bool, typer.Option("-q", "--quiet", help="print errors only")]
+Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="print more")]
+
+# Files and folders.
+FleetPath = Annotated[Path, typer.Argument(metavar="FLEET.toml", help="the fleet file")]
+CertificatePath = Annotated[Path, typer.Argument(metavar="CERTIFICATE.json", help="the certificate")]
+ResultFolder = Annotated[Path, typer.Argument(metavar="DIR", help="a folder that other verbs wrote to")]
+Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the folder that the files are written to")]
+ProofFolder = Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report here")]
+GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
+FolderFleet = Annotated[
+    Path | None, typer.Option("--fleet", metavar="FLEET.toml", help="the fleet file [default: its copy in DIR]")
+]
+ProofFleet = Annotated[
+    Path | None,
+    typer.Option("--fleet", metavar="FLEET.toml", help="prove facts about this fleet [default: the paper's]"),
+]
+CertifiedFleet = Annotated[
+    Path | None,
+    typer.Option("--fleet", metavar="FLEET.toml", help="also check that the certificate is of this fleet"),
+]
+
+# init, export, report
+TemplateOption = Annotated[Template, typer.Option(help="the kind of fleet")]
+Vehicles = Annotated[int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for line and ring")]
+FormatOption = Annotated[Format, typer.Option("--format", help="the program or document that will read the gains")]
+Animate = Annotated[
+    Animation | None, typer.Option(help="also write animation.gif, or animation.mp4 (which needs ffmpeg)")
+]
+
+# design
+ConditionsOption = Annotated[Conditions, typer.Option(help="(15) and (16); (16*) alone; (15') and (16*)")]
+CertifiedConditions = Annotated[
+    Conditions | None,
+    typer.Option("--conditions", help="the condition set [default: the one in the gains file, else paper]"),
+]
+ModeOption = Annotated[Mode, typer.Option(help="a search of seconds, or one within the time limit")]
+ExcitationOption = Annotated[
+    Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given where the file has one]")
+]
+WeightsOption = Annotated[Source, typer.Option(help="a_ij and a_il of the fleet file, or designed ones on its links")]
+Seed = Annotated[int, typer.Option(min=0, help="seed of the random starts and of the search")]
+TimeLimit = Annotated[float, typer.Option(min=1, help="wall-clock time that --mode best searches for, s")]
+Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of every gain")]
+ToleranceOption = Annotated[
+    tuple[float, float], typer.Option(metavar="M RAD", help="largest errors of a settled vehicle: m, rad")
+]
+Box = Annotated[
+    float | None,
+    typer.Option(
+        min=0,
+        max=1e6,
+        metavar="M",
+        help="random starts lie in a square of this side around the goal, m [default: from the size of the fleet]",
+    ),
+]
+Compare = Annotated[
+    bool,
+    typer.Option("--compare", help="also design with every other choice of conditions, psi and weights, and compare"),
+]
+Against = Annotated[
+    Path | None, typer.Option(metavar="GAINS", help="also measure the gains of this file from the same starts")
+]
+
+# simulate, validate
+SchemeOption = Annotated[Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")]
+EngineOption = Annotated[Engine, typer.Option(help="cvodes, or the explicit integrator for large fleets")]
+MethodOption = Annotated[
+    Method, typer.Option("--integrator", help="auto: cvodes in two stages; dop853: an independent, slow check")
+]
+OpenHorizon = Annotated[
+    float | None,
+    typer.Option("--horizon", min=0.1, max=1e6, help="simulated time, s [default: a while past settling]"),
+]
+Horizon = Annotated[float, typer.Option(min=0.1, max=1e6, help="simulated time of every start, s")]
+NoiseSeed = Annotated[int, typer.Option("--seed", min=0, help="seed of the noise and mismatch of [disturbance]")]
+Starts = Annotated[int, typer.Option(min=1, max=1_000_000, help="number of random starts, all at rest")]
+StartsFile = Annotated[
+    Path | None, typer.Option(metavar="CSV", help="starts instead of random ones: start,vehicle,x,y,theta,v,omega")
+]
+Workers = Annotated[int | None, typer.Option(min=1, max=1024, help="number of processes [default: one for every core]")]
+Scheduler = Annotated[
+    str | None, typer.Option(metavar="tcp://HOST:PORT", help="run the work on this Dask cluster instead")
+]
+LargestSampleTime = Annotated[
+    bool,
+    typer.Option("--largest-sample-time", help="find the longest one with which all starts settle within torques"),
+]
+Replay = Annotated[
+    int | None, typer.Option(min=0, metavar="K", help="only run start K again, and store its trajectory")
+]
+
+# What a real robot adds; the [disturbance] table of the fleet file is the default.
+SampleTime = Annotated[
+    float | None,
+    typer.Option(min=1e-4, max=10, metavar="S", help="compute the torques at this interval and hold them in between"),
+]
+Delay = Annotated[float | None, typer.Option(metavar="S", help="time from a measurement to its torques, s")]
+Noise = Annotated[
+    tuple[float, float] | None,
+    typer.Option(metavar="M RAD", help="standard deviation of measured positions and headings: m, rad"),
+]
+Mismatch = Annotated[float | None, typer.Option(help="relative error of mass, inertia, wheel radius and track")]
+Friction = Annotated[
+    tuple[float, float] | None,
+    typer.Option(metavar="NM NMS", help="Coulomb (N m) and viscous (N m s) friction at every wheel"),
+]
+LostLink = Annotated[
+    tuple[str, str, float] | None,
+    typer.Option(metavar="V1 V2 S", help="the edge between these vehicles fails at this time, s"),
+]

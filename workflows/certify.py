@@ -1,0 +1,40 @@
+"""`gaincert certify`: the certificate of gains, whoever chose them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..console import Printer
+    from ..models.files.gains_file import GainsFile
+    from ..models.fleet import Fleet
+    from ..verify.certificates.certify import Certificate
+
+
+def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: str, folder: Path) -> Certificate:
+    """Write certificate.json where the gains meet the conditions; say what is broken where they do not."""
+    from ..reports.deployment import write_fleet_copy
+    from ..verify.certificates.certify import certify
+
+    certificate = certify(fleet, gains.excitation, gains.gains, conditions, links=gains.links)
+    if certificate.valid:
+        certificate.write(folder / "certificate.json")
+        write_fleet_copy(fleet, folder)
+        printer.say(f"certificate: {folder / 'certificate.json'}")
+    else:
+        broken = certificate.violations or (certificate.verdict,)
+        printer.say("not certified:", *map(str, broken))
+    printer.say(*(f"note: {note}" for note in certificate.notes))
+    return certificate
+
+
+def as_json(certificate: Certificate, conditions: str, folder: Path) -> dict[str, Any]:
+    """What `certify --json` prints."""
+    return {
+        "valid": certificate.valid,
+        "conditions": conditions,
+        "certificate": str(folder / "certificate.json") if certificate.valid else None,
+        "failures": [str(violation) for violation in certificate.violations],
+        "notes": list(certificate.notes),
+    }

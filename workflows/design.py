@@ -1,0 +1,70 @@
+"""`gaincert design`: choose gains, write them, and say what they do."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..console import Printer
+    from ..models.fleet import Fleet
+    from ..models.tolerance import Tolerance
+    from ..synthesis.design import Design
+
+
+@dataclass(frozen=True)
+class DesignOptions:
+    """The options of `design`, as `synthesis.design.design` takes them."""
+
+    mode: str
+    conditions: str
+    excitation: str | None
+    weights: str
+    seed: int
+    digits: int
+    time_limit: float  # s
+    tolerance: Tolerance
+    box: float | None  # m
+
+
+def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions) -> Design:
+    """A design, on all cores."""
+    from ..parallel import local
+    from ..synthesis.design import design
+
+    with local() as (executor, _), printer.progress() as progress:
+        return design(fleet, **vars(options), executor=executor, progress=progress)
+
+
+def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, Any]:
+    """design.json, gains.csv and the copy of the fleet; the content of the first."""
+    from ..models.files.text import write_json
+    from ..reports.deployment import write_fleet_copy
+    from ..reports.tables.gain_table import for_terminal, rows, write_csv
+    from ..reports.versions import versions
+    from ..synthesis.design import as_json
+
+    document = as_json(design, versions())
+    table = rows(design.used_fleet, design.excitation, design.gains)
+    write_json(folder / "design.json", document)
+    write_csv(folder / "gains.csv", table)
+    write_fleet_copy(design.fleet, folder)
+    printer.say(for_terminal(table), *sentences(design))
+    printer.detail(f"wrote {folder / 'design.json'} and {folder / 'gains.csv'}")
+    return dict(document)
+
+
+def sentences(design: Design) -> list[str]:
+    """A design in some lines for a reader."""
+    times, psi = sorted(design.settling), design.excitation
+    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
+    lines = [
+        f"conditions {design.conditions.name} ({', '.join(design.conditions.sources)}), found by the {design.origin}",
+        f"psi: {'designed' if design.excitation_designed else 'as given'}, |psi| <= {float(psi.bound):.6g}, "
+        f"{float(psi.frequency):.4g} rad/s",
+        f"settles within {design.tolerance.position:g} m and {design.tolerance.heading:g} rad "
+        f"from {len(times)} starts: median {times[len(times) // 2]:.0f} s, worst {worst}",
+    ]
+    return lines if design.excitation_designed else [*lines, "psi was given; --excitation designed may settle faster"]

@@ -1,0 +1,108 @@
+"""What a verb is given: files and options as typed values."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..models.equations import State
+    from ..models.files.gains_file import GainsFile
+    from ..models.fleet import Fleet
+    from ..models.tolerance import Tolerance
+    from ..verify.simulation.disturbance import Disturbance
+
+LARGEST_TOLERANCE = 1e6  # m, rad; it is squared
+
+
+def read_fleet(path: Path) -> Fleet:
+    """The fleet of a file."""
+    from ..models.files.fleet_file import load_fleet
+
+    return load_fleet(path)
+
+
+def read_gains(path: Path, fleet: Fleet) -> GainsFile:
+    """The gains of a file, for a fleet."""
+    from ..models.files.gains_file import load_gains
+
+    return load_gains(path, fleet)
+
+
+def tolerance_of(pair: tuple[float, float]) -> Tolerance:
+    """The tolerance (m, rad) of the option. Raises InputError."""
+    from ..models.errors import InputError
+    from ..models.tolerance import Tolerance
+
+    if not all(0 < value <= LARGEST_TOLERANCE for value in pair):
+        raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad), at most 1e6")
+    return Tolerance(*pair)
+
+
+@dataclass(frozen=True)
+class StartOptions:
+    """Which starts `validate` runs."""
+
+    count: int
+    file: Path | None
+    seed: int
+    box: float | None  # m
+
+
+@dataclass(frozen=True)
+class Starts:
+    """Initial states, and where they come from."""
+
+    states: Sequence[State]
+    origin: dict[str, Any]  # as validation.json has it
+
+    @classmethod
+    def of(cls, fleet: Fleet, options: StartOptions) -> Starts:
+        """The starts of a file, or random ones."""
+        from ..models.files.starts_file import load_starts
+        from ..models.starts import random_starts, scale
+        from ..verify.validation.validate import origin_of_states
+
+        if options.file is not None:
+            states = load_starts(options.file, fleet)
+            return cls(states, {"file": options.file.name, **origin_of_states(states)})
+        half = scale(fleet) if options.box is None else options.box / 2
+        states = random_starts(fleet, options.count, options.seed, half)
+        return cls(states, {"random": {"seed": options.seed, "box_m": 2 * half}})
+
+
+@dataclass(frozen=True)
+class DisturbanceOptions:
+    """What the command line says of real robots; None where it says nothing."""
+
+    sample_time: float | None = None  # s
+    delay: float | None = None  # s
+    noise: tuple[float, float] | None = None  # m, rad
+    mismatch: float | None = None
+    friction: tuple[float, float] | None = None  # N m, N m s
+    lost_link: tuple[str, str, float] | None = None  # vehicle, vehicle, s
+
+    def of(self, fleet: Fleet, seed: int) -> Disturbance | None:
+        """The fleet's [disturbance] with these options in its place; None where neither is given. Raises InputError."""
+        from dataclasses import replace
+
+        from ..verify.simulation.disturbance import checked, of_table
+
+        given = self._given()
+        if not given and fleet.disturbance is None:
+            return None
+        return checked(replace(of_table(fleet.disturbance, seed), **given), fleet)
+
+    def _given(self) -> dict[str, Any]:
+        single = {"sample_time": self.sample_time, "delay": self.delay, "mismatch": self.mismatch}
+        given: dict[str, Any] = {name: value for name, value in single.items() if value is not None}
+        if self.noise:
+            given |= {"noise_position": self.noise[0], "noise_heading": self.noise[1]}
+        if self.friction:
+            given |= {"coulomb": self.friction[0], "viscous": self.friction[1]}
+        if self.lost_link:
+            given |= {"lost_link": self.lost_link[:2], "lost_at": self.lost_link[2]}
+        return given

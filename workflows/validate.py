@@ -1,0 +1,102 @@
+"""`gaincert validate`: the fleet from many starts, nominal and disturbed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from ..console import Printer
+    from ..models.equations import State
+    from ..models.files.gains_file import GainsFile
+    from ..models.fleet import Fleet
+    from ..models.tolerance import Tolerance
+    from ..verify.simulation.disturbance import Disturbance
+    from ..verify.validation.validate import Question
+    from .inputs import Starts
+
+
+@dataclass(frozen=True)
+class Validation:
+    """What `validate` is to do."""
+
+    spec: Question
+    states: Sequence[State]
+    seed: int | None  # of random starts, None for those of a file
+    disturbance: Disturbance | None = None
+    largest_sample_time: bool = False  # whether to look for it
+    workers: int | None = None  # None: one for every core
+    scheduler: str | None = None  # the address of a Dask cluster
+
+
+def spec_of(
+    fleet: Fleet, gains: GainsFile, starts: Starts, horizon: float, tolerance: Tolerance, method: str = "auto"
+) -> Question:
+    """All that the result of a start depends on, but the start."""
+    from ..reports.versions import versions
+    from ..verify.validation.validate import ask
+
+    return ask(
+        fleet.with_links(gains.links),
+        gains.gains,
+        gains.excitation,
+        starts.origin,
+        horizon=horizon,
+        tolerance=tolerance,
+        method=method,
+        versions=versions(),
+    )
+
+
+def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, folder: Path) -> dict[str, Any]:
+    """Run all starts and write validation.json; its content."""
+    from ..models.files.text import write_json
+    from ..parallel import cluster, local
+    from ..reports.versions import versions
+    from ..verify.validation.robustness import robustness
+    from ..verify.validation.robustness import sentences as robust_sentences
+    from ..verify.validation.statistics import sentences, summarize
+    from ..verify.validation.validate import validate
+
+    spec, states, disturbance = validation.spec, validation.states, validation.disturbance
+    pool = local(validation.workers) if validation.scheduler is None else cluster(validation.scheduler)
+    with pool as (executor, count), printer.progress() as progress:
+        results = validate(spec, states, folder, executor, count, progress)
+    document = summarize(spec, results, validation.seed)
+    if disturbance is not None or validation.largest_sample_time:
+        with printer.progress() as progress:
+            document |= robustness(fleet, spec, states, results, disturbance, validation.largest_sample_time, progress)
+    document["versions"] = versions()
+    write_json(folder / "validation.json", document)
+    printer.say(*sentences(document), *robust_sentences(document))
+    return document
+
+
+def validation_exit_code(document: dict[str, Any]) -> int:
+    """1 where a promise or a torque limit is broken, 4 where the integrator gave up on a start, else 0."""
+    if document["violations"] or any(entry["peak_torque_ratio"] > 1 for entry in document.get("disturbed", [])):
+        return 1
+    return 4 if any(failure.get("gave_up") for failure in document["failures"]) else 0
+
+
+def replay_start(printer: Printer, validation: Validation, number: int, folder: Path) -> dict[str, Any]:
+    """One start again, in this process; compared with the stored result where there is one."""
+    from ..models.errors import InputError
+    from ..verify.validation.validate import replay
+
+    if number >= len(validation.states):
+        raise InputError(f"--replay {number}: the file has the starts 0 to {len(validation.states) - 1}")
+    result, stored, run = replay(validation.spec, number, validation.states[number], folder)
+    path = folder / f"replay-{number}.npz"
+    run.write(path)
+    same = None if stored is None else stored == result
+    verdict = {None: "no stored result to compare with", True: "identical to the stored one", False: "DIFFERS from it"}
+    settled = result["settling_time_s"]
+    printer.say(
+        f"start {number}: {result['failure'] or f'settles after {settled:.6g} s'}; {verdict[same]}",
+        f"trajectory: {path}",
+    )
+    return {**result, "same": same, "trajectory": str(path)}
