@@ -45,9 +45,9 @@ def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[GainRow]:
         GainRow(
             name,
             *(decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES),
-            torque_bound=decimal(bounds[i], ROUND_CEILING),
-            torque_limit=decimal_text(data.torque[i]),
-            margin=decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
+            decimal(bounds[i], ROUND_CEILING),
+            decimal_text(data.torque[i]),
+            decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
         )
         for i, name in enumerate(fleet.names)
     ]
