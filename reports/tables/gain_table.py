@@ -43,11 +43,11 @@ def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[GainRow]:
     bounds = torque_bound(exact_numbers(), data, gains)
     return [
         GainRow(
-            name,
-            *(decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES),
-            decimal(bounds[i], ROUND_CEILING),
-            decimal_text(data.torque[i]),
-            decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
+            vehicle=name,
+            **{key: decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES},
+            torque_bound=decimal(bounds[i], ROUND_CEILING),
+            torque_limit=decimal_text(data.torque[i]),
+            margin=decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
         )
         for i, name in enumerate(fleet.names)
     ]
