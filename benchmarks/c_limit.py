@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from gaincert.models.algebra.ops import numpy_ops
-from gaincert.models.equations import State, closed_loop
+from gaincert.models.equations import State
 from gaincert.verify.simulation.loop import Loop
 
 ARRAYS = ("weight", "leader_weight", "m", "inertia", "offset_x", "offset_y")
@@ -86,6 +85,6 @@ class Compiled:
     def _check(self) -> None:
         loop, x = self._loop, np.random.default_rng(0).normal(scale=3, size=5 * self._struct.n)
         state = State(*x.reshape(5, -1))
-        rates = closed_loop(numpy_ops(), loop.plant, loop.gains, loop.excitation, 0.7, state)
+        rates = loop.rates(0.7, state)
         expected = np.concatenate(rates)
         assert np.abs(self.rate(0.7, x) - expected).max() <= 1e-10 * np.abs(expected).max()

@@ -84,7 +84,8 @@ def numba_rate(loop: Loop) -> Callable[..., Any]:
     plant: Plant = loop.plant.map(exact)
     gains: Gains = loop.gains.map(exact)
     state = State(*np.array(x, dtype=object).reshape(5, -1))
-    rates = np.concatenate(closed_loop(sympy_ops(), plant, gains, loop.excitation, np.array([t]), state))
+    psi = loop.excitation.value(sympy_ops(), np.array([t]))
+    rates = np.concatenate(closed_loop(sympy_ops(), plant, gains, psi, state))
     inner = njit(sp.lambdify([t, x], list(rates), modules="math", cse=True))
 
     @njit
@@ -110,7 +111,9 @@ def diffrax_run(loop: Loop, start: State, horizon: float) -> Run:
     ops = replace(numpy_ops(), sin=jnp.sin, cos=jnp.cos, tanh=jnp.tanh, edge_sum=edge_sum)
 
     def rate(t: Any, x: Any, _: Any) -> Any:
-        return jnp.concatenate(closed_loop(ops, loop.plant, loop.gains, loop.excitation, t, State(*x.reshape(5, -1))))
+        return jnp.concatenate(
+            closed_loop(ops, loop.plant, loop.gains, loop.excitation.value(ops, t), State(*x.reshape(5, -1)))
+        )
 
     @jax.jit
     def solve(x: Any, tolerance: Any) -> Any:

@@ -45,7 +45,7 @@ def measure(fleet: Fleet) -> dict[str, float]:
     own, states, phase = Gains(*(row.T for row in gains)), State(*(row.T for row in state)), times.astype(Single)
 
     def plain() -> State:
-        return closed_loop(ops, plant, own, wave, phase[:, None], states)
+        return closed_loop(ops, plant, own, wave.value(ops, phase[:, None]), states)
 
     assert psi.frequency == Fraction(1)
     fill(times)

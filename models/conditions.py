@@ -122,16 +122,16 @@ def condition_16_star(numbers: Numbers, data: ConditionData, gains: Gains) -> In
 
 
 def speed_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
-    """sqrt2 p_v D <= d_v tanh(speed limit): |v| never passes the limit that it starts within."""
+    """sqrt2 p_v D <= d_v tanh(V / s) for a speed limit V: |v| never passes it."""
     small = pulling_bound(numbers, data, gains)
-    large = gains.d_v * numbers.tanh(data.speed)
+    large = gains.d_v * numbers.tanh(data.speed / gains.saturation.speed)
     return Inequality("speed limit", "position error bound, N", small, large, ("p_v",))
 
 
 def turn_rate_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
-    """p_omega D + c <= d_omega tanh(turn rate limit): |omega| never passes the limit that it starts within."""
+    """p_omega D + c <= d_omega tanh(Omega / o) for a turn-rate limit Omega: |omega| never passes it."""
     small = turning_bound(numbers, data, gains)
-    large = gains.d_omega * numbers.tanh(data.turn_rate)
+    large = gains.d_omega * numbers.tanh(data.turn_rate / gains.saturation.turn_rate)
     return Inequality("turn rate limit", "heading and excitation bound, N m", small, large, _TURNING)
 
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 from .algebra.ops import Ops
 from .arrays import Array
-from .excitation import Excitation
 from .gains import Gains
 from .graph import Graph
+from .saturation import Saturation
 
 
 class State(NamedTuple):
@@ -60,24 +60,45 @@ def accelerations(plant: Plant, tau_left: Array, tau_right: Array) -> tuple[Arra
     return force / plant.m, moment / plant.inertia
 
 
-def consensus_error(ops: Ops, graph: Graph, z: Array, z_leader: Array) -> Array:
-    """(8) for one coordinate and (10): a_il tanh(z_i - z_l) + sum_j a_ij tanh(z_i - z_j)."""
-    to_leader = graph.leader_weight * ops.tanh(z - z_leader)
-    between = graph.weight * ops.tanh(ops.edge_difference(graph, z))
+class Errors(NamedTuple):
+    """The consensus errors: e_z of (8), and e_theta of (10)."""
+
+    x: Array  # (..., N)
+    y: Array  # (..., N)
+    theta: Array  # (..., N)
+
+
+def pull(ops: Ops, weight: Array, scale: Array, distance: Array) -> Array:
+    """One term of (8) or (10): a link of weight a over a distance d pulls with a tanh(d / scale)."""
+    return weight * ops.tanh(distance / scale)
+
+
+def formation_coordinates(plant: Plant, state: State) -> tuple[Array, Array, Array]:
+    """zbar = z - delta, m, of both coordinates, and theta, rad: what the graph compares, (..., N) each."""
+    return state.x - plant.offset_x, state.y - plant.offset_y, state.theta
+
+
+def leader_coordinates(plant: Plant) -> tuple[Array, Array, Array]:
+    """z_l, m, and theta_l, rad: what the formation coordinates are to become."""
+    return plant.leader_x, plant.leader_y, plant.leader_theta
+
+
+def coordinate_scales(saturation: Saturation) -> tuple[Array, Array, Array]:
+    """The scales of the three formation coordinates: l, l (m) and rho (rad)."""
+    return saturation.position, saturation.position, saturation.heading
+
+
+def consensus_error(ops: Ops, graph: Graph, scale: Array, z: Array, z_leader: Array) -> Array:
+    """(8) for one coordinate and (10): a_il tanh((z_i - z_l) / scale) + sum_j a_ij tanh((z_i - z_j) / scale)."""
+    to_leader = pull(ops, graph.leader_weight, scale, z - z_leader)
+    between = pull(ops, graph.weight, scale, ops.edge_difference(graph, z))
     return to_leader + ops.edge_sum(graph, between)
 
 
-def position_error(ops: Ops, plant: Plant, state: State) -> tuple[Array, Array]:
-    """(8): the two components of e_z."""
-    return (
-        consensus_error(ops, plant.graph, state.x - plant.offset_x, plant.leader_x),
-        consensus_error(ops, plant.graph, state.y - plant.offset_y, plant.leader_y),
-    )
-
-
-def heading_error(ops: Ops, plant: Plant, state: State) -> Array:
-    """(10): e_theta."""
-    return consensus_error(ops, plant.graph, state.theta, plant.leader_theta)
+def consensus_errors(ops: Ops, plant: Plant, saturation: Saturation, state: State) -> Errors:
+    """(8) and (10): e_z and e_theta."""
+    parts = coordinate_scales(saturation), formation_coordinates(plant, state), leader_coordinates(plant)
+    return Errors(*(consensus_error(ops, plant.graph, *part) for part in zip(*parts, strict=True)))
 
 
 def along(ops: Ops, theta: Array, e_x: Array, e_y: Array) -> Array:
@@ -90,41 +111,40 @@ def across(ops: Ops, theta: Array, e_x: Array, e_y: Array) -> Array:
     return ops.cos(theta) * e_y - ops.sin(theta) * e_x
 
 
-Error = tuple[Array, Array]  # e_z of (8), where it is known already
-
-
-def linear_input(ops: Ops, plant: Plant, gains: Gains, state: State, error: Error | None = None) -> Array:
+def linear_input(ops: Ops, gains: Gains, state: State, errors: Errors) -> Array:
     """(7): u_v, N."""
-    e_along = along(ops, state.theta, *(error or position_error(ops, plant, state)))
-    return -gains.p_v * e_along - gains.d_v * ops.tanh(state.v)
+    e_along = along(ops, state.theta, errors.x, errors.y)
+    return -gains.p_v * e_along - gains.d_v * ops.tanh(state.v / gains.saturation.speed)
 
 
-def excitation_input(
-    ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, error: Error | None = None
-) -> Array:
+def excitation_input(ops: Ops, gains: Gains, psi: Array, state: State, errors: Errors) -> Array:
     """(11): alpha, N m, where psi is the value of the excitation now."""
-    return gains.k_alpha * psi * across(ops, state.theta, *(error or position_error(ops, plant, state)))
+    return gains.k_alpha * psi * across(ops, state.theta, errors.x, errors.y)
 
 
-def angular_input(ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, error: Error | None = None) -> Array:
-    """(9): u_omega, N m."""
-    alpha = excitation_input(ops, plant, gains, psi, state, error)
-    return -gains.p_omega * heading_error(ops, plant, state) - gains.d_omega * ops.tanh(state.omega) + alpha
+def angular_input(ops: Ops, gains: Gains, psi: Array, state: State, errors: Errors) -> Array:
+    """(9): u_omega, N m, where psi is the value of the excitation now."""
+    alpha = excitation_input(ops, gains, psi, state, errors)
+    damping = gains.d_omega * ops.tanh(state.omega / gains.saturation.turn_rate)
+    return -gains.p_omega * errors.theta - damping + alpha
 
 
 def control(
-    ops: Ops, plant: Plant, gains: Gains, excitation: Excitation, t: Array, state: State
+    ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, errors: Errors | None = None
 ) -> tuple[Array, Array]:
-    """The controller: left and right wheel torque, N m, at time t."""
-    error = position_error(ops, plant, state)
-    u_v = linear_input(ops, plant, gains, state, error)
-    u_omega = angular_input(ops, plant, gains, excitation.value(ops, t), state, error)
+    """The controller: left and right wheel torque, N m, where psi is the value of the excitation now.
+
+    `errors` are (8) and (10) where they are known already.
+    """
+    errors = errors or consensus_errors(ops, plant, gains.saturation, state)
+    u_v = linear_input(ops, gains, state, errors)
+    u_omega = angular_input(ops, gains, psi, state, errors)
     return wheel_torques(plant, u_v, u_omega)
 
 
-def closed_loop(ops: Ops, plant: Plant, gains: Gains, excitation: Excitation, t: Array, state: State) -> State:
+def closed_loop(ops: Ops, plant: Plant, gains: Gains, psi: Array, state: State, errors: Errors | None = None) -> State:
     """(13)-(14): the rate of change of the state under the controller, through the torques (6) and the vehicle (2)."""
-    return motion(ops, plant, state, *control(ops, plant, gains, excitation, t, state))
+    return motion(ops, plant, state, *control(ops, plant, gains, psi, state, errors))
 
 
 def motion(ops: Ops, plant: Plant, state: State, tau_left: Array, tau_right: Array) -> State:

@@ -12,7 +12,7 @@ import numpy as np
 from ..models.arrays import Array
 from ..models.conditions import ConditionData, ConditionSet, Inequality, exact_numbers
 from ..models.errors import UndecidedError
-from ..models.gains import Gains
+from ..models.gains import GAIN_NAMES, Gains
 
 
 def rounded(conditions: ConditionSet, limits: ConditionData, gains: Gains, digits: int) -> Gains:
@@ -23,7 +23,7 @@ def rounded(conditions: ConditionSet, limits: ConditionData, gains: Gains, digit
     Raises UndecidedError where the gains are not positive numbers, or where rounding leaves none,
     because `digits` is too small for the limits.
     """
-    if not all(np.all(np.isfinite(column) & (column > 0)) for column in vars(gains).values()):
+    if not all(np.all(np.isfinite(column) & (column > 0)) for column in (getattr(gains, name) for name in GAIN_NAMES)):
         raise UndecidedError("a solver returned gains that are not positive numbers")
     numbers = exact_numbers()
     exact = gains.map(lambda column: floor_digits(column, digits))

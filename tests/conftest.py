@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from gaincert.models.algebra.ops import unbounded
+from gaincert.models.arrays import floats
 from gaincert.models.equations import State
 from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
@@ -155,7 +156,7 @@ def draw_gains(random):
 @pytest.fixture
 def gains(fleet, draw_gains):
     """Random gains of the fleet, floats."""
-    return draw_gains(len(fleet)).map(lambda values: values.astype(float))
+    return draw_gains(len(fleet)).map(floats)
 
 
 @pytest.fixture

@@ -82,7 +82,9 @@ def _test_cases(deployed: Deployment, plant: Plant) -> dict[str, Any]:
     count = len(deployed.fleet)
     cases = max(1, min(TEST_CASES, TEST_NUMBERS // (2 * count)))
     t, state = sample_states(count, cases)
-    left, right = control(numpy_ops(), plant, deployed.gains.map(floats), deployed.excitation, t[:, None], state)
+    left, right = control(
+        numpy_ops(), plant, deployed.gains.map(floats), deployed.excitation.value(numpy_ops(), t[:, None]), state
+    )
     return {
         "cases": cases,
         "largest_time": _number(LARGEST_TIME),

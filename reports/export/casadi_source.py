@@ -94,7 +94,7 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
     x, y, theta = (of_all(k, inputs.own[k], inputs.pose) for k in range(3))
     state = State(x, y, theta, of_centre(inputs.own[3]), of_centre(inputs.own[4]))
     gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES))
-    left, right = control(casadi_ops(), plant, gains, excitation, inputs.t, state)
+    left, right = control(casadi_ops(), plant, gains, excitation.value(casadi_ops(), inputs.t), state)
     return left[0], right[0]
 
 

@@ -7,15 +7,25 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
 
-from ...models.equations import Plant, State, closed_loop
+from ...models.equations import (
+    Errors,
+    Plant,
+    State,
+    closed_loop,
+    coordinate_scales,
+    formation_coordinates,
+    leader_coordinates,
+    pull,
+)
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.graph import Graph
+from ...models.saturation import Saturation
 from .compiler import At, Compiled, LoopNest, Single, compiled, pointer, single_ops
 from .runge_kutta import Array, Problem, Rate
 
@@ -77,28 +87,21 @@ def rows(values: Sequence[Any], items: int) -> Array:
 def _loops(excitation: Excitation) -> dict[str, Compiled]:
     """(13)-(14) in loops over the columns, the vehicles and the edges."""
     symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
-    coordinates: list[Any] = []
-    between: list[Any] = []
-    differences, sums = symbol("differences", COORDINATES), symbol("sums", COORDINATES)
-
-    def edge_difference(_: Graph, z: Any) -> Any:
-        coordinates.append(z)
-        return differences[len(coordinates) - 1]
-
-    def edge_sum(_: Graph, f: Any) -> Any:
-        between.append(f)
-        return sums[len(between) - 1]
-
-    ops = replace(single_ops(), edge_difference=edge_difference, edge_sum=edge_sum)
+    ops, saturation = single_ops(), Saturation()
     weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
-    numbers, gains, state = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
+    numbers, gains, rows = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
     nobody = np.zeros(0, dtype=np.int64)
     plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
-    known = _Known(psi)
-    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains)), known, turns, State(*ca.vertsplit(state)))  # type: ignore[arg-type]
-    z_tail, z_head = symbol("z_tail", COORDINATES), symbol("z_head", COORDINATES)
+    state, scales = State(*ca.vertsplit(rows)), coordinate_scales(saturation)
+    sums, z_tail, z_head = (symbol(name, COORDINATES) for name in ("sums", "z_tail", "z_head"))
     at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
-    force = ca.substitute(ca.vertcat(*between), differences, z_tail - z_head)
+    coordinates = formation_coordinates(plant, state)
+    distances = [z - leader for z, leader in zip(coordinates, leader_coordinates(plant), strict=True)]
+    to_leader = [pull(ops, leader_weight, *pair) for pair in zip(scales, distances, strict=True)]
+    errors = Errors(*(ca.vertcat(*to_leader) + sums).elements())
+    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains), saturation), psi, state, errors)
+    between = (z_tail - z_head).elements()
+    force = ca.vertcat(*(pull(ops, weight, *pair) for pair in zip(scales, between, strict=True)))
     return compiled(
         {
             "excitation": LoopNest(
@@ -107,7 +110,7 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
                 [("psi", column)],
             ),
             "coordinates": LoopNest(
-                ca.Function("f", [state, numbers], [ca.vertcat(*coordinates)]),
+                ca.Function("f", [rows, numbers], [ca.vertcat(*coordinates)]),
                 [("state", each), ("plant", item)],
                 [("z", each)],
             ),
@@ -117,7 +120,7 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
                 [("sums", At.TAIL), ("sums", At.HEAD)],
             ),
             "vehicles": LoopNest(
-                ca.Function("f", [state, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
+                ca.Function("f", [rows, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
                 [
                     ("state", each),
                     ("plant", item),
@@ -130,12 +133,3 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
             ),
         }
     )
-
-
-class _Known(NamedTuple):
-    """An excitation whose value is known."""
-
-    psi: Array
-
-    def value(self, *_: object) -> Array:
-        return self.psi

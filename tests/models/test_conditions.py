@@ -21,7 +21,7 @@ from gaincert.models.conditions import (
     sympy_numbers,
 )
 from gaincert.models.enclosures import sqrt_above, tanh_below
-from gaincert.models.equations import State, angular_input, closed_loop, linear_input, wheel_torques
+from gaincert.models.equations import State, closed_loop, control
 from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
@@ -156,7 +156,7 @@ def test_a_physical_drive_has_half_the_arm(content, psi):
 # -- the theorem's own words -------------------------------------------------------------------------------------------
 
 
-def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_omega, k):
+def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_omega, k, s, o):
     """Both sides of every condition for one vehicle, typed once more from the theorem."""
     c = math.sqrt(2) * k * bar * D
     cone = d_v + math.sqrt(2) * D * math.hypot(p_v, k * bar / arm) + (d_omega + p_omega * D) / arm
@@ -165,16 +165,21 @@ def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_om
         "(15')": (p_omega * D + c, d_omega),
         "(16)": (arm * (d_v + math.sqrt(2) * p_v * D) + d_omega + p_omega * D + c, 2 * arm * torque / r),
         "(16*)": (r / 2 * cone, torque),
-        "speed limit": (math.sqrt(2) * p_v * D, d_v * math.tanh(speed)),
-        "turn rate limit": (p_omega * D + c, d_omega * math.tanh(turn_rate)),
+        "speed limit": (math.sqrt(2) * p_v * D, d_v * math.tanh(speed / s)),
+        "turn rate limit": (p_omega * D + c, d_omega * math.tanh(turn_rate / o)),
     }
 
 
 def test_the_conditions_are_those_of_the_theorem(limits, exact_gains):
-    numbers = {field: floats(values) for source in (limits, exact_gains) for field, values in vars(source).items()}
+    numbers = {
+        **{field: floats(values) for field, values in vars(limits).items()},
+        **{name: floats(getattr(exact_gains, name)) for name in GAIN_NAMES},
+        "s": floats(exact_gains.saturation.speed),
+        "o": floats(exact_gains.saturation.turn_rate),
+    }
     bar = float(numbers.pop("psi_bar"))
     found = [condition(float_numbers(), limits.map(floats), exact_gains.map(floats)) for condition in ALL]
-    names = ("degree", "r", "arm", "torque", "speed", "turn_rate", *GAIN_NAMES)
+    names = ("degree", "r", "arm", "torque", "speed", "turn_rate", *GAIN_NAMES, "s", "o")
     for i, (D, *own) in enumerate(zip(*(numbers[name] for name in names), strict=True)):
         expected = as_printed(D, bar, *own)
         assert [sides.source for sides in found] == list(expected)
@@ -192,7 +197,8 @@ def in_sympy(condition, limits, gains):
 
 
 def in_casadi(condition, limits, gains):
-    symbols = Gains(*(ca.MX.sym(name, len(limits.degree)) for name in GAIN_NAMES))
+    columns = (ca.MX.sym(name, len(limits.degree)) for name in GAIN_NAMES)
+    symbols = Gains(*columns, gains.saturation.map(floats).map(ca.DM))
     inequality = condition(casadi_numbers(), limits.map(floats).map(ca.DM), symbols)
     arguments = [getattr(symbols, name) for name in GAIN_NAMES]
     values = ca.Function("f", arguments, [inequality.small, ca.MX(inequality.large)]).call(
@@ -205,7 +211,8 @@ def in_cvxpy(condition, limits, gains):
     import cvxpy as cp
 
     n = len(limits.degree)
-    variables = Gains(*(Elementwise(cp.Variable(n, pos=True)) for _ in GAIN_NAMES))
+    columns = (Elementwise(cp.Variable(n, pos=True)) for _ in GAIN_NAMES)
+    variables = Gains(*columns, gains.saturation.map(floats))
     for name in GAIN_NAMES:
         getattr(variables, name).expression.value = floats(getattr(gains, name))
     inequality = condition(cvxpy_numbers(), limits.map(floats), variables)
@@ -382,7 +389,7 @@ def torques(fleet, gains, psi, t, state):
     """Both wheel torques, where t is an array of instants, one per member of the batch."""
     ops, plant = numpy_ops(), fleet.plant()
     now = psi.value(ops, np.asarray(t)[..., None])
-    return wheel_torques(plant, linear_input(ops, plant, gains, state), angular_input(ops, plant, gains, now, state))
+    return control(ops, plant, gains, now, state)
 
 
 def test_the_torque_never_passes_its_bound(fleet, gains, psi, wild, random):
@@ -505,8 +512,10 @@ def run(fleet, gains, psi, state, horizon):
     """Speeds and turn rates along the closed loop, (samples, N) each."""
     plant, n = fleet.plant(), len(fleet)
 
+    ops = numpy_ops()
+
     def rhs(t, y):
-        return np.concatenate(closed_loop(numpy_ops(), plant, gains, psi, t, State(*y.reshape(5, n))))
+        return np.concatenate(closed_loop(ops, plant, gains, psi.value(ops, t), State(*y.reshape(5, n))))
 
     done = solve_ivp(rhs, (0, horizon), np.concatenate(state), method="LSODA", rtol=1e-8, atol=1e-10, max_step=0.1)
     assert done.success
@@ -522,8 +531,8 @@ def test_speed_and_turn_rate_limits_are_invariant(fleet, psi, draw_gains, draw_s
     numbers = float_numbers()
     gains = replace(
         gains,
-        d_v=conditions.pulling_bound(numbers, limits, gains) / np.tanh(speed),
-        d_omega=conditions.turning_bound(numbers, limits, gains) / np.tanh(turn_rate),
+        d_v=conditions.pulling_bound(numbers, limits, gains) / np.tanh(speed / gains.saturation.speed),
+        d_omega=conditions.turning_bound(numbers, limits, gains) / np.tanh(turn_rate / gains.saturation.turn_rate),
     )
     for share in (0.0, 1.0):
         state = draw_state(n)
@@ -543,7 +552,9 @@ def test_speed_and_turn_rate_limits_are_invariant(fleet, psi, draw_gains, draw_s
 def test_the_speed_limit_is_approached(fleet, psi, draw_gains):
     """A vehicle that heads straight for a far goal runs at the limit, so the limit is not idle."""
     limits, gains = fleet.condition_data(psi).map(floats), draw_gains(1).map(floats)
-    gains = replace(gains, d_v=conditions.pulling_bound(float_numbers(), limits, gains) / np.tanh(0.7))
+    gains = replace(
+        gains, d_v=conditions.pulling_bound(float_numbers(), limits, gains) / np.tanh(0.7 / gains.saturation.speed)
+    )
     plant = fleet.plant()
     ahead = replace(plant, leader_theta=math.pi / 4)
     start = State(
@@ -554,8 +565,10 @@ def test_the_speed_limit_is_approached(fleet, psi, draw_gains):
         np.zeros(1),
     )
 
+    ops = numpy_ops()
+
     def rhs(t, y):
-        return np.concatenate(closed_loop(numpy_ops(), ahead, gains, psi, t, State(*y.reshape(5, 1))))
+        return np.concatenate(closed_loop(ops, ahead, gains, psi.value(ops, t), State(*y.reshape(5, 1))))
 
     horizon = 50 * float(plant.m[0] / gains.d_v[0])
     done = solve_ivp(rhs, (0, horizon), np.concatenate(start), rtol=1e-9, atol=1e-12)

@@ -1,8 +1,8 @@
 """Laws of the equations and energies: over every graph family x drive x scheme (x algebra)."""
 
 import math
+from dataclasses import replace
 from fractions import Fraction
-from types import SimpleNamespace
 
 import casadi as ca
 import numpy as np
@@ -14,6 +14,7 @@ from gaincert.models.algebra.ops import casadi_ops, numpy_ops, sympy_ops
 from gaincert.models.equations import Plant, State
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.graph import Graph
+from gaincert.models.saturation import Saturation
 
 TIME = 0.83  # s, some instant
 
@@ -22,10 +23,10 @@ def everything(ops, plant, gains, psi, t, state):
     """All that models.equations and models.energy define, as one list of arrays."""
     now, rate = psi.value(ops, t), psi.derivative().value(ops, t)
     return [
-        *equations.closed_loop(ops, plant, gains, psi, t, state),
-        *equations.control(ops, plant, gains, psi, t, state),
-        equations.heading_error(ops, plant, state),
-        equations.excitation_input(ops, plant, gains, now, state),
+        *equations.closed_loop(ops, plant, gains, now, state),
+        *equations.control(ops, plant, gains, now, state),
+        *(errors := equations.consensus_errors(ops, plant, gains.saturation, state)),
+        equations.excitation_input(ops, gains, now, state, errors),
         energy.translational(ops, plant, gains, state),
         energy.rotational(ops, plant, gains, state),
         energy.translational_dissipation(ops, gains, state),
@@ -124,8 +125,8 @@ def test_the_closed_loop_is_the_paper_s(fleet, gains, psi, saturation, draw_stat
     from gaincert.models.algebra.ops import unbounded
 
     ops = numpy_ops() if saturation is np.tanh else unbounded(numpy_ops())
-    state = draw_state(len(fleet))
-    rates = equations.closed_loop(ops, fleet.plant(), gains, psi, TIME, state)
+    state, gains = draw_state(len(fleet)), replace(gains, saturation=Saturation())
+    rates = equations.closed_loop(ops, fleet.plant(), gains, psi.value(ops, TIME), state)
     expected = as_printed(fleet, gains, psi.value(numpy_ops(), TIME), state, saturation)
     assert close(flat(rates), expected.ravel())
 
@@ -136,13 +137,19 @@ def test_the_energies_are_the_paper_s(fleet, gains, draw_state):
     a = np.diag(fleet.plant().graph.degree) - plant.graph.composed_laplacian().toarray()
     led = plant.graph.leader_weight
 
-    def potential(z, leader):
-        pairs = sum(a[i, j] * math.log(math.cosh(z[i] - z[j])) for i in range(n) for j in range(n) if i != j)
-        return 0.5 * (pairs + 2 * sum(led[i] * math.log(math.cosh(z[i] - leader)) for i in range(n)))
+    length, rho = gains.saturation.position, gains.saturation.heading
+
+    def potential(scale, z, leader):
+        def well(distance):
+            return scale * math.log(math.cosh(distance / scale))
+
+        pairs = sum(a[i, j] * well(z[i] - z[j]) for i in range(n) for j in range(n) if i != j)
+        return 0.5 * (pairs + 2 * sum(led[i] * well(z[i] - leader) for i in range(n)))
 
     V = 0.5 * sum(plant.m / gains.p_v * state.v**2)
-    V += potential(state.x - plant.offset_x, plant.leader_x) + potential(state.y - plant.offset_y, plant.leader_y)
-    W = 0.5 * sum(plant.inertia / gains.p_omega * state.omega**2) + potential(state.theta, plant.leader_theta)
+    V += potential(length, state.x - plant.offset_x, plant.leader_x)
+    V += potential(length, state.y - plant.offset_y, plant.leader_y)
+    W = 0.5 * sum(plant.inertia / gains.p_omega * state.omega**2) + potential(rho, state.theta, plant.leader_theta)
     ops = numpy_ops()
     assert energy.translational(ops, plant, gains, state) == pytest.approx(V, rel=1e-12)
     assert energy.rotational(ops, plant, gains, state) == pytest.approx(W, rel=1e-12)
@@ -151,18 +158,18 @@ def test_the_energies_are_the_paper_s(fleet, gains, draw_state):
 def test_the_energies_fall_as_18_20_and_lemma_l5_say(fleet, gains, psi, scheme, draw_state):
     ops, plant, gains = scheme(casadi_ops()), fleet.plant().map(ca.DM), gains.map(ca.DM)
     state, t = symbols(len(fleet))
-    rates = equations.closed_loop(ops, plant, gains, psi, t, state)
+    rates = equations.closed_loop(ops, plant, gains, psi.value(ops, t), state)
     slope = psi.derivative()
     now, first, second = (part.value(ops, t) for part in (psi, slope, slope.derivative()))
 
     V = energy.translational(ops, plant, gains, state)
     W = energy.rotational(ops, plant, gains, state)
     W_hat = energy.modified(ops, plant, gains, now, first, state)
-    e_x, e_y = equations.position_error(ops, plant, state)
-    e_rate = [rate_of(e, state, t, rates) for e in (e_x, e_y)]
+    errors = equations.consensus_errors(ops, plant, gains.saturation, state)
+    e_rate = [rate_of(e, state, t, rates) for e in errors[:2]]
     forced = (
         -plant.m / gains.p_v * second * state.v
-        + gains.d_v / gains.p_v * first * ops.tanh(state.v)
+        + gains.d_v / gains.p_v * first * ops.tanh(state.v / gains.saturation.speed)
         - now * equations.along(ops, state.theta, *e_rate)
     )
     loss_v = energy.translational_dissipation(ops, gains, state)
@@ -193,8 +200,7 @@ def test_the_energies_fall_symbolically():
     state = State(*(np.array(sp.symbols(f"{name}:2", real=True), dtype=object) for name in State._fields))
     psi = sp.Symbol("psi")
 
-    held = SimpleNamespace(value=lambda *_: psi)  # psi as a symbol
-    rates = equations.closed_loop(ops, plant, gains, held, sp.S.Zero, state)
+    rates = equations.closed_loop(ops, plant, gains, psi, state)
     V, W = energy.translational(ops, plant, gains, state), energy.rotational(ops, plant, gains, state)
     P_v = energy.translational_dissipation(ops, gains, state)
     P_w = energy.rotational_dissipation(ops, gains, state)
@@ -257,7 +263,9 @@ def test_a_batch_is_its_members(fleet, gains, psi, scheme, draw_state):
 
 def test_wheels_roll_without_slipping(fleet, gains, psi, scheme, draw_state):
     state = draw_state(len(fleet), (50,))
-    rates = equations.closed_loop(scheme(numpy_ops()), fleet.plant(), gains, psi, TIME, state)
+    rates = equations.closed_loop(
+        scheme(numpy_ops()), fleet.plant(), gains, psi.value(scheme(numpy_ops()), TIME), state
+    )
     assert np.allclose(rates.x * np.sin(state.theta) - rates.y * np.cos(state.theta), 0, atol=1e-14)
     assert np.allclose(rates.x * np.cos(state.theta) + rates.y * np.sin(state.theta), state.v, atol=1e-14)
     assert (rates.theta == state.omega).all()
@@ -268,13 +276,13 @@ def test_the_formation_is_at_rest_and_nothing_else_nearby(fleet, gains, psi, sch
     goal = State(
         plant.leader_x + plant.offset_x, plant.leader_y + plant.offset_y, rest + plant.leader_theta, rest, rest
     )
-    rates = equations.closed_loop(ops, plant, gains, psi, TIME, goal)
+    rates = equations.closed_loop(ops, plant, gains, psi.value(ops, TIME), goal)
     assert np.allclose(flat(rates), 0, atol=1e-12)
     assert energy.translational(ops, plant, gains, goal) == pytest.approx(0, abs=1e-12)
     assert energy.rotational(ops, plant, gains, goal) == pytest.approx(0, abs=1e-12)
     for coordinate in range(5):
         moved = State(*(part + 0.1 * (index == coordinate) for index, part in enumerate(goal)))
-        assert np.max(np.abs(flat(equations.closed_loop(ops, plant, gains, psi, TIME, moved)))) > 1e-4
+        assert np.max(np.abs(flat(equations.closed_loop(ops, plant, gains, psi.value(ops, TIME), moved)))) > 1e-4
         assert energy.translational(ops, plant, gains, moved) + energy.rotational(ops, plant, gains, moved) > 1e-4
 
 
@@ -282,10 +290,10 @@ def test_only_relative_positions_count(fleet, gains, psi, scheme, draw_state):
     from dataclasses import replace
 
     ops, plant, state = scheme(numpy_ops()), fleet.plant(), draw_state(len(fleet))
-    here = equations.closed_loop(ops, plant, gains, psi, TIME, state)
+    here = equations.closed_loop(ops, plant, gains, psi.value(ops, TIME), state)
     moved_plant = replace(plant, leader_x=plant.leader_x + 8, leader_y=plant.leader_y - 16)
     moved = state._replace(x=state.x + 8, y=state.y - 16)
-    assert close(flat(equations.closed_loop(ops, moved_plant, gains, psi, TIME, moved)), flat(here))
+    assert close(flat(equations.closed_loop(ops, moved_plant, gains, psi.value(ops, TIME), moved)), flat(here))
 
 
 def test_the_direction_in_which_an_edge_is_written_does_not_count(fleet, gains, psi, scheme, draw_state):

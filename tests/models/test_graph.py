@@ -155,9 +155,9 @@ def test_l_l_is_the_linear_part_of_the_consensus_error(fleet, random):
 
     z = random.normal(size=len(fleet))
     graph = fleet.plant().graph
-    linear = consensus_error(unbounded(numpy_ops()), graph, z, 0.0)
+    linear = consensus_error(unbounded(numpy_ops()), graph, 1, z, 0.0)
     assert np.allclose(graph.composed_laplacian() @ z, linear, atol=1e-12)
-    near = consensus_error(numpy_ops(), graph, 1e-5 * z, 0.0)
+    near = consensus_error(numpy_ops(), graph, 1, 1e-5 * z, 0.0)
     assert np.allclose(1e-5 * linear, near, rtol=1e-6, atol=1e-13)
 
 

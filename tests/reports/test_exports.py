@@ -29,6 +29,7 @@ from gaincert.reports.export.ros2 import namespaces
 from gaincert.verify.certificates.certify import certify
 
 ROOT = Path(__file__).parents[2]
+OPS = numpy_ops()
 STRICT = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 HOSTILE = (
     "*/ int x; /*",
@@ -89,7 +90,9 @@ def test_c_agrees_with_python_on_1000_states_and_reads_what_it_may(fleet, psi, d
     library = build(deployed, tmp_path)
     count = -(-1000 // len(fleet))  # states times vehicles are 1000 or more
     states, times = draw_state(len(fleet), (count,)), np.linspace(0, 500, count)
-    expected = control(numpy_ops(), fleet.plant(), deployed.gains.map(floats), psi, times[:, None], states)
+    expected = control(
+        numpy_ops(), fleet.plant(), deployed.gains.map(floats), psi.value(numpy_ops(), times[:, None]), states
+    )
     for k in range(count):
         state = State(*(values[k] for values in states))
         for vehicle in range(len(fleet)):
@@ -128,7 +131,9 @@ def test_the_leader_can_be_set_at_compile_time_and_at_run_time(tmp_path, draw_st
     )
     plant = fleet.plant()
     moved = type(plant)(**{**vars(plant), "leader_x": 3.5, "leader_y": -1.0, "leader_theta": 0.5})
-    expected = np.column_stack(control(numpy_ops(), moved, paper_gains().map(floats), paper_excitation(), 2.0, state))
+    expected = np.column_stack(
+        control(numpy_ops(), moved, paper_gains().map(floats), paper_excitation().value(numpy_ops(), 2.0), state)
+    )
     for vehicle in range(6):
         at_run_time = c_torques(library, vehicle, 2.0, state, Leader(3.5, -1, 0.5))
         assert at_run_time == c_torques(defined, vehicle, 2.0, state)
@@ -344,7 +349,9 @@ def test_the_node_commands_what_the_library_says_and_nothing_on_old_poses(node, 
     theta = state.theta.copy()
     theta[0] = math.remainder(theta[0], math.tau)
     full = state._replace(theta=theta)
-    expected = control(numpy_ops(), paper_fleet().plant(), paper_gains().map(floats), paper_excitation(), 1.0, full)
+    expected = control(
+        numpy_ops(), paper_fleet().plant(), paper_gains().map(floats), paper_excitation().value(numpy_ops(), 1.0), full
+    )
     assert node.command(library, 0, 1.0, 1.05, known, 0.1) == pytest.approx([wheel[0] for wheel in expected], abs=1e-10)
     assert node.command(library, 0, 1.0, 1.2, known, 0.1) == [0, 0]  # too old
 

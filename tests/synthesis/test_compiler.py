@@ -103,7 +103,8 @@ def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) ->
     exact_gains = Gains(*gains.astype(float))
     bound = single_precision_bound(plant, exact_gains, sum(abs(float(value)) for value in psi.sin))
     for k, t in enumerate(times):
-        exact = closed_loop(numpy_ops(), plant, exact_gains, psi, t, State(*starts[..., k].astype(float)))
+        now, state = psi.value(numpy_ops(), t), State(*starts[..., k].astype(float))
+        exact = closed_loop(numpy_ops(), plant, exact_gains, now, state)
         for rate, true, within in zip(found[..., k], exact, bound, strict=True):
             assert (np.abs(rate - true) <= within).all()
 

@@ -52,7 +52,7 @@ def simulated_decay(fleet: Fleet, gains: Gains, y: np.ndarray, periods: int) -> 
     start = State(aside.x - y * np.sin(theta), aside.y + y * np.cos(theta), np.full(n, theta), aside.v, aside.omega)
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
-        return np.concatenate(closed_loop(ops, plant, gains, PSI, t, State(*x.reshape(5, n))))
+        return np.concatenate(closed_loop(ops, plant, gains, PSI.value(ops, t), State(*x.reshape(5, n))))
 
     period = 2 * np.pi
     ends = np.linspace(0, periods * period, 64 * periods + 1)

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from gaincert.models import energy
 from gaincert.models.algebra.ops import numpy_ops
-from gaincert.models.equations import State, closed_loop, heading_error, position_error
+from gaincert.models.equations import State, closed_loop, consensus_errors
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.models.saturation import Saturation
 from gaincert.verify.proof.mincut import global_minimum_cut, with_leader
 from gaincert.verify.proof.witness_runs import small_fleet, undamped_gains
 
@@ -45,7 +46,7 @@ def test_l1_rates(case):
     D, psi0 = plant.graph.degree, bounds(psi)[0]
     c = np.sqrt(2) * gains.k_alpha * psi0 * D
     for t, state in enumerate(states(plant, 40)):
-        rate = closed_loop(OPS, plant, gains, psi, float(t), state)
+        rate = closed_loop(OPS, plant, gains, psi.value(OPS, float(t)), state)
         assert (np.abs(rate.v) < (np.sqrt(2) * gains.p_v * D + gains.d_v) / plant.m).all()
         assert (np.abs(rate.omega) < (gains.p_omega * D + gains.d_omega + c) / plant.inertia).all()
 
@@ -56,7 +57,7 @@ def what(plant, gains, psi, t, state):
 
 def what_rate(plant, gains, psi, t, state, h=1e-5):
     """The central difference of What along the flow, to second order in h."""
-    slope = closed_loop(OPS, plant, gains, psi, t, state)
+    slope = closed_loop(OPS, plant, gains, psi.value(OPS, t), state)
     ahead, behind = (State(*(a + s * h * b for a, b in zip(state, slope, strict=True))) for s in (1, -1))
     return (what(plant, gains, psi, t + h, ahead) - what(plant, gains, psi, t - h, behind)) / (2 * h)
 
@@ -101,7 +102,7 @@ def test_l9(case):
     N, kappa = len(fleet), float(global_minimum_cut(with_leader(fleet.graph)))
     tried = 0
     for state in states(plant, 200, scale=1.0):
-        chi = np.abs(heading_error(OPS, plant, state)).max()
+        chi = np.abs(consensus_errors(OPS, plant, Saturation(), state).theta).max()
         for error, e in ((state.theta - plant.leader_theta, chi), *coordinates(plant, state)):
             if e < kappa / N:
                 tried += 1
@@ -110,7 +111,7 @@ def test_l9(case):
 
 
 def coordinates(plant, state):
-    e_x, e_y = position_error(OPS, plant, state)
+    e_x, e_y, _ = consensus_errors(OPS, plant, Saturation(), state)
     yield state.x - plant.offset_x - plant.leader_x, np.abs(e_x).max()
     yield state.y - plant.offset_y - plant.leader_y, np.abs(e_y).max()
 
@@ -152,4 +153,4 @@ def test_l18_levels():
     for t, state in enumerate(states(plant, 100, scale=20.0)):
         for sign in (1, -1):
             at = state._replace(omega=sign * (level + 1e-9))
-            assert (sign * closed_loop(OPS, plant, gains, psi, float(t), at).omega[held] < 0).all()
+            assert (sign * closed_loop(OPS, plant, gains, psi.value(OPS, float(t)), at).omega[held] < 0).all()

@@ -36,17 +36,6 @@ def parameter(base: str, index: Any = "") -> Expr:
     return symbol(base, index, positive=True)
 
 
-@dataclass(frozen=True)
-class SymbolicPsi:
-    """An excitation whose value is one symbol per vehicle."""
-
-    values: Array  # (N,)
-
-    def value(self, ops: Any, t: Any) -> Array:  # noqa: ARG002
-        """psi_i, whatever the time."""
-        return self.values
-
-
 @dataclass(frozen=True, eq=False)
 class Scene:
     """N vehicles and a list of edges, with a symbol for everything; `weight` and `leader_weight` may be numbers."""
@@ -110,14 +99,18 @@ class Scene:
     @cached_property
     def errors(self) -> dict[str, Array]:
         """e_x, e_y, e_theta of (8) and (10), from the model."""
-        e_x, e_y = equations.position_error(sympy_ops(), self.plant, self.state)
-        return {"e_x": e_x, "e_y": e_y, "e_theta": equations.heading_error(sympy_ops(), self.plant, self.state)}
+        errors = self.consensus_errors
+        return {"e_x": errors.x, "e_y": errors.y, "e_theta": errors.theta}
+
+    @cached_property
+    def consensus_errors(self) -> equations.Errors:
+        """(8) and (10), from the model."""
+        return equations.consensus_errors(sympy_ops(), self.plant, self.gains.saturation, self.state)
 
     @cached_property
     def closed_loop(self) -> State:
         """The right-hand sides of (13) and (14), from the model."""
-        psi: Any = SymbolicPsi(self.psi)
-        return equations.closed_loop(sympy_ops(), self.plant, self.gains, psi, sp.S.Zero, self.state)
+        return equations.closed_loop(sympy_ops(), self.plant, self.gains, self.psi, self.state)
 
     @cached_property
     def rates(self) -> dict[Expr, Expr]:

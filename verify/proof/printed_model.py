@@ -203,9 +203,9 @@ def controller() -> list[Claim]:
     ops, psi = sympy_ops(), g.psi
     x_bar = one.x - one.delta_x, two.x - two.delta_x
     theta_l = symbol("theta", "l")
-    u_v = g.fold(equations.linear_input(ops, g.plant, g.gains, g.state)[0])
-    u_w = g.fold(equations.angular_input(ops, g.plant, g.gains, psi, g.state)[0])
-    alpha = g.fold(equations.excitation_input(ops, g.plant, g.gains, psi, g.state)[0])
+    u_v = g.fold(equations.linear_input(ops, g.gains, g.state, g.consensus_errors)[0])
+    u_w = g.fold(equations.angular_input(ops, g.gains, psi, g.state, g.consensus_errors)[0])
+    alpha = g.fold(equations.excitation_input(ops, g.gains, psi, g.state, g.consensus_errors)[0])
     e_x = a_l * sp.tanh(x_bar[0] - symbol("x", "l")) + a * sp.tanh(x_bar[0] - x_bar[1])
     e_theta = a_l * sp.tanh(one.theta - theta_l) + a * sp.tanh(one.theta - two.theta)
     stated_w = -one.p_w * one.e_theta - one.d_w * sp.tanh(one.w) + one.alpha

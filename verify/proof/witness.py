@@ -69,12 +69,12 @@ class Instance:
 
     def turning_input(self, psi: Ball, state: State) -> Array:
         """u_omega of (9)."""
-        return equations.angular_input(arb_ops(), self.plant, self.exact_gains, psi, state)
+        errors = equations.consensus_errors(arb_ops(), self.plant, self.exact_gains.saturation, state)
+        return equations.angular_input(arb_ops(), self.exact_gains, psi, state, errors)
 
     def torques(self, psi: Ball, state: State) -> tuple[Array, Array]:
         """(6): left and right."""
-        u_v = equations.linear_input(arb_ops(), self.plant, self.exact_gains, state)
-        return equations.wheel_torques(self.plant, u_v, self.turning_input(psi, state))
+        return equations.control(arb_ops(), self.plant, self.exact_gains, psi, state)
 
     def state(
         self, errors: dict[int, tuple[Any, Any]], theta: dict[int, Any], v: Any = None, omega: Any = None

@@ -42,7 +42,7 @@ def simulate(fleet: Fleet, gains: Gains, psi: Excitation, start: State, horizon:
     ops, plant, numbers = numpy_ops(), fleet.plant(), gains.map(floats)
 
     def rate(t: float, flat: Floats) -> Floats:
-        return np.concatenate(closed_loop(ops, plant, numbers, psi, t, State(*flat.reshape(5, -1))))
+        return np.concatenate(closed_loop(ops, plant, numbers, psi.value(ops, t), State(*flat.reshape(5, -1))))
 
     span = (t0, t0 + horizon)
     found = solve_ivp(rate, span, np.concatenate(start), method="LSODA", t_eval=np.linspace(*span, 2001), **TOLERANCE)

@@ -46,7 +46,7 @@ class Rollout:
         # psi is read at (start of the piece) + t, so that all pieces share one integrator.
         *columns, begin = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 1])
         state = State(*ca.vertsplit(x, self.vehicles))
-        rates = closed_loop(ops, plant.map(casadi_column), Gains(*columns), excitation, begin + t, state)
+        rates = closed_loop(ops, plant.map(casadi_column), Gains(*columns), excitation.value(ops, begin + t), state)
         problem = {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))}
         outputs = (step * np.arange(1, self.per_piece + 1)).tolist()
         options = {

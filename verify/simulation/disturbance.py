@@ -164,7 +164,7 @@ def _samples(fleet: Fleet, loop: Loop, state: State, disturbance: Disturbance, h
     for number in range(math.ceil(horizon / disturbance.sample_time)):
         t = number * disturbance.sample_time
         seen = _with_link_lost(fleet, loop, disturbance) if disturbance.lost_link and t >= disturbance.lost_at else loop
-        torques = control(loop.ops, seen.plant, loop.gains, loop.excitation, t, _measured(state, disturbance, random))
+        torques = control(loop.ops, seen.plant, loop.gains, loop.psi(t), _measured(state, disturbance, random))
         waiting.append(torques)
         before, state = state, _step(true, state, *waiting.popleft(), disturbance)
         yield _Sample(t, before, state, *torques)

@@ -117,7 +117,7 @@ def rate_function(loop: Loop) -> Callable[[float, Floats, Floats], None]:
 
     def rate(t: float, x: Floats, out: Floats) -> None:
         state = State(*(x[i * n : (i + 1) * n] for i in range(5)))
-        for i, column in enumerate(closed_loop(ops, loop.plant, loop.gains, loop.excitation, t, state)):
+        for i, column in enumerate(closed_loop(ops, loop.plant, loop.gains, loop.excitation.value(ops, t), state)):
             out[i * n : (i + 1) * n] = column
 
     return rate

@@ -51,13 +51,17 @@ class Loop:
         """The NumPy algebra of the scheme."""
         return numpy_ops() if self.bounded else unbounded(numpy_ops())
 
+    def psi(self, t: Any) -> Floats:
+        """The excitation at times (K,), as a column (K, 1); at one time, (1,)."""
+        return np.asarray(self.excitation.value(self.ops, np.asarray(t, dtype=float)[..., None]))
+
     def rates(self, t: Any, state: State) -> State:
         """(13)-(14): the derivative of the state, (K, N)."""
-        return closed_loop(self.ops, self.plant, self.gains, self.excitation, _per_row(t), state)
+        return closed_loop(self.ops, self.plant, self.gains, self.psi(t), state)
 
     def torques(self, t: Any, state: State) -> tuple[Floats, Floats]:
         """(6)-(11): left and right torque, N m, (K, N)."""
-        return control(self.ops, self.plant, self.gains, self.excitation, _per_row(t), state)
+        return control(self.ops, self.plant, self.gains, self.psi(t), state)
 
     def torque_ratios(self, t: Any, state: State) -> Floats:
         """Left, then right torque over its limit, signed, (K, 2 N)."""
@@ -89,10 +93,6 @@ class Loop:
             state.v,
             state.omega,
         )
-
-
-def _per_row(t: Any) -> Floats:
-    return np.asarray(t, dtype=float)[..., None]
 
 
 def _certified(share: Floats, start: Floats, bounded: bool) -> Floats:
