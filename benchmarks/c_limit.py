@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 from gaincert.models.equations import State
-from gaincert.verify.simulation.loop import Loop
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 
 ARRAYS = ("weight", "leader_weight", "m", "inertia", "offset_x", "offset_y")
 GAINS = ("p_v", "d_v", "p_omega", "d_omega", "k_alpha")
@@ -47,7 +47,7 @@ def compile_library() -> Any:
 class Compiled:
     """One loop, ready to be integrated in C."""
 
-    def __init__(self, library: Any, loop: Loop) -> None:
+    def __init__(self, library: Any, loop: ClosedLoop) -> None:
         plant, graph, gains = loop.plant, loop.plant.graph, loop.gains
         tones = loop.excitation.phasors()
         values = {

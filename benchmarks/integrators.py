@@ -23,9 +23,9 @@ from gaincert.models.algebra.ops import numpy_ops, sympy_ops
 from gaincert.models.equations import Plant, State, closed_loop
 from gaincert.models.gains import Gains
 from gaincert.models.paper import paper_fleet, paper_gains
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Adams, Cvodes, Dop853
 from gaincert.verify.simulation.large_fleet import Dopri5
-from gaincert.verify.simulation.loop import Loop
 
 from benchmarks.c_limit import Compiled, compile_library
 
@@ -37,7 +37,7 @@ Run = Callable[[float], np.ndarray]  # tolerance -> the state at the end, (5 N,)
 LIMIT, OURS = "C DOPRI5 (limit)", "gaincert CVODES, BDF"
 
 
-def of_ours(kind: Any, loop: Loop, start: State, horizon: float) -> Run:
+def of_ours(kind: Any, loop: ClosedLoop, start: State, horizon: float) -> Run:
     """One of our integrators, built once per tolerance as in use."""
     built: dict[float, Any] = {}
 
@@ -50,7 +50,7 @@ def of_ours(kind: Any, loop: Loop, start: State, horizon: float) -> Run:
     return run
 
 
-def compiled(loop: Loop, start: State, horizon: float) -> Run:
+def compiled(loop: ClosedLoop, start: State, horizon: float) -> Run:
     """The limit; raises ImportError where there is no C compiler."""
     library = compile_library()
     if library is None:
@@ -67,12 +67,12 @@ def scipy(method: str, rate: Callable[..., Any], start: State, horizon: float) -
     return lambda tol: solve_ivp(rate, (0, horizon), x, method, [horizon], rtol=tol, atol=tol).y[:, -1]
 
 
-def numpy_rate(loop: Loop) -> Callable[..., Any]:
+def numpy_rate(loop: ClosedLoop) -> Callable[..., Any]:
     """The vectorised right-hand side that a Python user would write."""
     return lambda t, x: np.concatenate(loop.rates(t, State(*x.reshape(5, -1))))
 
 
-def numba_rate(loop: Loop) -> Callable[..., Any]:
+def numba_rate(loop: ClosedLoop) -> Callable[..., Any]:
     """The same equations through SymPy to scalar code with common parts shared, compiled by numba."""
     import sympy as sp
     from numba import njit
@@ -96,7 +96,7 @@ def numba_rate(loop: Loop) -> Callable[..., Any]:
     return rate
 
 
-def diffrax_run(loop: Loop, start: State, horizon: float) -> Run:
+def diffrax_run(loop: ClosedLoop, start: State, horizon: float) -> Run:
     """Diffrax's Dopri8 with its own step control, compiled once."""
     import diffrax
     import jax
@@ -126,7 +126,7 @@ def diffrax_run(loop: Loop, start: State, horizon: float) -> Run:
     return lambda tolerance: np.asarray(solve(x, tolerance))
 
 
-def numbalsoda_run(loop: Loop, start: State, horizon: float) -> Run:
+def numbalsoda_run(loop: ClosedLoop, start: State, horizon: float) -> Run:
     """LSODA without Python between the steps."""
     from numba import carray, cfunc
     from numbalsoda import lsoda, lsoda_sig
@@ -143,7 +143,7 @@ def numbalsoda_run(loop: Loop, start: State, horizon: float) -> Run:
     return lambda tolerance: lsoda(called.address, x, ends, rtol=tolerance, atol=tolerance)[0][-1]
 
 
-def peers(loop: Loop, start: State, horizon: float) -> tuple[dict[str, Run], list[str]]:
+def peers(loop: ClosedLoop, start: State, horizon: float) -> tuple[dict[str, Run], list[str]]:
     """The runs by name, and why some are missing."""
     makers: dict[str, Callable[[], Run]] = {
         LIMIT: lambda: compiled(loop, start, horizon),
@@ -180,7 +180,7 @@ def matched(run: Run, reference: np.ndarray) -> tuple[float, float] | None:
 def measure(horizon: float = 300.0, rounds: int = 5) -> dict[str, Any]:
     """Processor time of every peer at the matched error, and its ratio to the limit and to ours."""
     fleet = paper_fleet()
-    loop, start = Loop.of(fleet, paper_gains(), fleet.psi), fleet.start()  # type: ignore[arg-type]
+    loop, start = ClosedLoop.of(fleet, paper_gains(), fleet.psi), fleet.start()  # type: ignore[arg-type]
     assert start is not None
     reference = of_ours(Dop853, loop, start, horizon)(1e-13)
     runs, missing = peers(loop, start, horizon)

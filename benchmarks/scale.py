@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 from gaincert.models.starts import random_starts
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Adams
 from gaincert.verify.simulation.large_fleet import Dopri5
-from gaincert.verify.simulation.loop import Loop
 
 from benchmarks.c_limit import Compiled, compile_library
 from benchmarks.certificate_scale import large_fleet, scaled_gains
@@ -30,7 +30,7 @@ CVODES_UP_TO = 1000  # vehicles, where its answer is compared
 def measure(n: int, seconds: float) -> dict[str, Any]:
     """Times in s for `seconds` s of motion of n vehicles."""
     fleet = large_fleet(n)
-    loop = Loop.of(fleet, scaled_gains(fleet), fleet.psi)  # type: ignore[arg-type]
+    loop = ClosedLoop.of(fleet, scaled_gains(fleet), fleet.psi)  # type: ignore[arg-type]
     start = random_starts(fleet, 1, 0)[0]
     x, library, row = np.concatenate(start), compile_library(), {"vehicles": n, "edges": loop.plant.graph.edges}
     # In turn, in quarters, so that both see the same machine.

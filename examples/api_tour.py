@@ -32,7 +32,7 @@ def tour(folder: Path) -> None:
     run = simulate(fleet, made.gains, made.excitation, horizon=60.0)
     print(f"{len(run.t)} stored points; x is {run.state.x.shape}, torques up to {abs(run.tau_left).max():.3g} N m")
     run.write(folder / "trajectory.npz")
-    write_json(folder / "summary.json", summarize(fleet, run))
+    write_json(folder / "summary.json", summarize(fleet, run).to_json())
 
     broken = made.gains.map(lambda gains: gains * 1000)
     try:

@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
     from ..verify.simulation.disturbance import Disturbance
-    from ..verify.simulation.recording import Recording
-    from ..verify.simulation.simulate import Trajectory
+    from ..verify.simulation.summary import Summary
+    from ..verify.simulation.trajectory import Trajectory
 
 CHAOTIC = 0.5  # m between two accurate integrations of one start: beyond, rounding decides part of the run
 
@@ -37,26 +37,25 @@ def simulate_schemes(
     from ..reports.deployment import write_fleet_copy
     from ..reports.figures.run_figures import write_figures
     from ..reports.versions import versions
-    from ..verify.simulation.disturbance import in_words
-    from ..verify.simulation.simulate import integration_error, summarize
+    from ..verify.simulation.simulate import summarize
 
-    scheme, tolerance = simulation.schemes[0], simulation.tolerance
+    scheme = simulation.schemes[0]
     runs = _runs(printer, fleet, gains, simulation)
-    first = runs[scheme]
-    stored: Recording = first
-    summary = {**summarize(fleet, first, tolerance), **integration_error(first)}
-    drawn: dict[str, Recording] = {f"{name} scheme": run for name, run in runs.items()}
+    first = stored = runs[scheme]
+    summary = summarize(fleet, first, simulation.tolerance, with_error=True)
+    drawn = {f"{name} scheme": run for name, run in runs.items()}
     printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *sensitivity(summary))
     if simulation.disturbance is not None:
-        summary, stored = _disturbed(fleet, first, simulation.disturbance, tolerance, summary)
+        disturbance = simulation.disturbance
+        summary, stored = _disturbed(fleet, first, disturbance, summary)
         drawn = {"with the disturbance": stored, **drawn}
-        printer.say(f"with the disturbance ({in_words(summary['disturbance'])}): {sentence(summary)}")
-    record = {**summary, "scheme": scheme, "fleet_digest": fleet.digest, "versions": versions()}
+        printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}")
+    record = {**summary.to_json(), "scheme": scheme, "fleet_digest": fleet.digest, "versions": versions()}
     stored.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", record)
     write_fleet_copy(fleet, folder)
     write_figures(fleet, drawn, folder / "figures")
-    printer.say(*(f"FALSE: {violation}" for violation in summary["violations"]), f"figures: {folder / 'figures'}")
+    printer.say(*(f"FALSE: {violation}" for violation in summary.violations), f"figures: {folder / 'figures'}")
     return record
 
 
@@ -88,35 +87,34 @@ def _runs(printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulati
 
 
 def _disturbed(
-    fleet: Fleet, nominal: Trajectory, disturbance: Disturbance, tolerance: Tolerance, summary: dict[str, Any]
-) -> tuple[dict[str, Any], Recording]:
+    fleet: Fleet, nominal: Trajectory, disturbance: Disturbance, summary: Summary
+) -> tuple[Summary, Trajectory]:
     """The same start under the disturbance: its summary, with the nominal one in it, and its run."""
-    from ..models.equations import State
-    from ..verify.simulation.disturbance import disturbed_run, disturbed_summary
+    from ..verify.simulation.sampled_loop import SampledLoop
 
-    start = State(*(column[0] for column in nominal.state))
-    outcome, run = disturbed_run(fleet, nominal.loop, start, disturbance, float(nominal.t[-1]), tolerance)
-    return disturbed_summary(outcome, run, tolerance, disturbance, summary), run
+    loop, horizon = nominal.made_by.loop, float(nominal.t[-1])
+    return SampledLoop(fleet, loop, disturbance, horizon, summary.tolerance).run(nominal.start, summary)
 
 
-def sentence(summary: dict[str, Any]) -> str:
+def sentence(summary: Summary) -> str:
     """A summary for a reader."""
-    settled, error = summary["settling_time_s"], summary.get("integration_error_m", CHAOTIC)
+    settled = f"settles after {summary.settling_time:.1f} s"
+    error = summary.integration_error
     return (
-        (f"settles after {settled:.1f} s" if settled is not None else f"not settled by {summary['horizon_s']:g} s")
-        + f", peak torque {100 * summary['peak_torque_ratio']:.1f} % of the limit, "
-        f"final error {summary['final_position_error_m']:.3g} m, {summary['final_heading_error_rad']:.3g} rad"
-        + ("" if error >= CHAOTIC else f", integration error below {error:.1g} m")
+        (settled if summary.settled else f"not settled by {summary.horizon:g} s")
+        + f", peak torque {100 * summary.peak_torque_ratio:.1f} % of the limit, "
+        f"final error {summary.final_position_error:.3g} m, {summary.final_heading_error:.3g} rad"
+        + ("" if error is None or error.position >= CHAOTIC else f", integration error below {error.position:.1g} m")
     )
 
 
-def sensitivity(summary: dict[str, Any]) -> list[str]:
+def sensitivity(summary: Summary) -> list[str]:
     """What a reader has to know of a chaotic run."""
-    apart = summary["integration_error_m"]
-    if apart < CHAOTIC:
+    error = summary.integration_error
+    if error is None or error.position < CHAOTIC:
         return []
     return [
-        f"this start is sensitive: two accurate integrations of it are up to {apart:.1g} m apart on the way, because "
-        "rounding grows while the vehicles still turn fast. Both obey the same equations; times from many starts "
-        "(gaincert validate) mean more than the time from this one"
+        f"this start is sensitive: two accurate integrations of it are up to {error.position:.1g} m apart on the way, "
+        "because rounding grows while the vehicles still turn fast. Both obey the same equations; times from many "
+        "starts (gaincert validate) mean more than the time from this one"
     ]

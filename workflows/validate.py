@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
     from ..verify.simulation.disturbance import Disturbance
-    from ..verify.validation.validate import Question
+    from ..verify.validation.validate import ValidationSpec
     from .inputs import Starts
 
 
@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 class Validation:
     """What `validate` is to do."""
 
-    spec: Question
+    spec: ValidationSpec
     states: Sequence[State]
     seed: int | None  # of random starts, None for those of a file
     disturbance: Disturbance | None = None
@@ -33,21 +33,17 @@ class Validation:
 
 
 def spec_of(
-    fleet: Fleet, gains: GainsFile, starts: Starts, horizon: float, tolerance: Tolerance, method: str = "auto"
-) -> Question:
+    fleet: Fleet, gains: GainsFile, starts: Starts, horizon: float, tolerance: Tolerance, engine: str = "auto"
+) -> ValidationSpec:
     """All that the result of a start depends on, but the start."""
     from ..reports.versions import versions
-    from ..verify.validation.validate import ask
+    from ..verify.simulation.closed_loop import ClosedLoop
+    from ..verify.validation.validate import make_spec
 
-    return ask(
-        fleet.with_links(gains.links),
-        gains.gains,
-        gains.excitation,
-        starts.origin,
-        horizon=horizon,
-        tolerance=tolerance,
-        method=method,
-        versions=versions(),
+    used = fleet.with_links(gains.links)
+    loop = ClosedLoop.of(used, gains.gains, gains.excitation)
+    return make_spec(
+        used, loop, starts.origin, horizon=horizon, tolerance=tolerance, engine=engine, versions=versions()
     )
 
 
@@ -57,21 +53,27 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
     from ..parallel import cluster, local
     from ..reports.versions import versions
     from ..verify.validation.robustness import robustness
-    from ..verify.validation.robustness import sentences as robust_sentences
-    from ..verify.validation.statistics import sentences, summarize
+    from ..verify.validation.statistics import ValidationResults
     from ..verify.validation.validate import validate
 
-    spec, states, disturbance = validation.spec, validation.states, validation.disturbance
+    spec, states = validation.spec, validation.states
     pool = local(validation.workers) if validation.scheduler is None else cluster(validation.scheduler)
     with pool as (executor, count), printer.progress() as progress:
         results = validate(spec, states, folder, executor, count, progress)
-    document = summarize(spec, results, validation.seed)
-    if disturbance is not None or validation.largest_sample_time:
-        with printer.progress() as progress:
-            document |= robustness(fleet, spec, states, results, disturbance, validation.largest_sample_time, progress)
-    document["versions"] = versions()
+    with printer.progress() as progress:
+        disturbed = robustness(
+            fleet,
+            spec,
+            states,
+            results,
+            disturbance=validation.disturbance,
+            largest=validation.largest_sample_time,
+            progress=progress,
+        )
+    whole = ValidationResults(spec, results, validation.seed, disturbed)
+    document = {**whole.to_json(), "versions": versions()}
     write_json(folder / "validation.json", document)
-    printer.say(*sentences(document), *robust_sentences(document))
+    printer.say(*whole.sentences())
     return document
 
 
@@ -94,9 +96,6 @@ def replay_start(printer: Printer, validation: Validation, number: int, folder: 
     run.write(path)
     same = None if stored is None else stored == result
     verdict = {None: "no stored result to compare with", True: "identical to the stored one", False: "DIFFERS from it"}
-    settled = result["settling_time_s"]
-    printer.say(
-        f"start {number}: {result['failure'] or f'settles after {settled:.6g} s'}; {verdict[same]}",
-        f"trajectory: {path}",
-    )
-    return {**result, "same": same, "trajectory": str(path)}
+    settled = result.failure or f"settles after {result.settling_time:.6g} s"
+    printer.say(f"start {number}: {settled}; {verdict[same]}", f"trajectory: {path}")
+    return {**result.to_json(), "same": same, "trajectory": str(path)}

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...models.errors import InputError, UndecidedError
 from ...models.files.text import write_whole
 from ...models.fleet import Fleet
-from ...verify.simulation.recording import Recording, read_recording
+from ...verify.simulation.trajectory import Trajectory, read_trajectory
 from ..deployment import fleet_of_folder
 from .style import COLOURS, LABELLED, STYLE, plain, shown_vehicles
 
@@ -35,15 +35,15 @@ def write_movie(folder: Path, kind: str, fleet_path: Path | None, progress: Prog
     if kind == "mp4" and ffmpeg is None:
         raise InputError("--animate mp4: needs ffmpeg, which is not installed; install it or use --animate gif")
     fleet, path = fleet_of_folder(folder, fleet_path), folder / "trajectory.npz"
-    recording = read_recording(path)
-    if (count := recording.state.x.shape[1]) != len(fleet):
+    run = read_trajectory(path)
+    if (count := run.state.x.shape[1]) != len(fleet):
         raise InputError(f"{path}: is of {count} vehicles, the fleet has {len(fleet)}; simulate again")
-    pictures = _pictures(fleet, recording, FRAMES[kind], progress)
+    pictures = _pictures(fleet, run, FRAMES[kind], progress)
     write = _gif if kind == "gif" else lambda images, file: _mp4(images, file, str(ffmpeg))
     return write_whole(folder / f"animation.{kind}", lambda file: write(pictures, file))
 
 
-def _pictures(fleet: Fleet, run: Recording, count: int, progress: Progress) -> Iterator[NDArray[np.uint8]]:
+def _pictures(fleet: Fleet, run: Trajectory, count: int, progress: Progress) -> Iterator[NDArray[np.uint8]]:
     """RGB images (height, width, 3) of the run at evenly spaced times."""
     import matplotlib as mpl
     from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -65,7 +65,7 @@ def _pictures(fleet: Fleet, run: Recording, count: int, progress: Progress) -> I
             yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
 
-def _scene(axis: Any, fleet: Fleet, run: Recording, shown: list[int]) -> dict[str, Any]:
+def _scene(axis: Any, fleet: Fleet, run: Trajectory, shown: list[int]) -> dict[str, Any]:
     """The axes with what stands still, and the artists that move."""
     plant = fleet.plant()
     colours = [COLOURS[i % len(COLOURS)] for i in shown]
@@ -88,7 +88,7 @@ def _scene(axis: Any, fleet: Fleet, run: Recording, shown: list[int]) -> dict[st
     }
 
 
-def _move(moving: dict[str, Any], fleet: Fleet, run: Recording, shown: list[int], k: int) -> None:
+def _move(moving: dict[str, Any], fleet: Fleet, run: Trajectory, shown: list[int], k: int) -> None:
     """Put the artists where the vehicles are at stored point k."""
     x, y, theta = (values[k] for values in run.state[:3])
     graph, unit = fleet.graph, moving["unit"]

@@ -17,7 +17,7 @@ from ...models.numbers import low
 from .style import COLOURS, LABEL, LABELLED, STYLE, plain, save, shown_vehicles
 
 if TYPE_CHECKING:
-    from ...verify.simulation.recording import Recording
+    from ...verify.simulation.trajectory import Trajectory
 
 Floats = NDArray[np.float64]
 
@@ -25,12 +25,12 @@ POINTS = 1500  # drawn per line
 FLOOR = 1e-6  # of a logarithmic axis
 
 
-def write_figures(fleet: Fleet, runs: Mapping[str, Recording], folder: Path) -> list[Path]:
+def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path) -> list[Path]:
     """Paths, poses, cross-track errors, torques and energies of the runs (title -> run), one panel each. SVG, PNG."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    drawings: dict[str, tuple[Callable[[Any, Fleet, Recording], None], int]] = {
+    drawings: dict[str, tuple[Callable[[Any, Fleet, Trajectory], None], int]] = {
         "paths": (_paths, 1),
         "poses": (_poses, 3),
         "cross_track": (_cross_track, 1),
@@ -51,7 +51,7 @@ def write_figures(fleet: Fleet, runs: Mapping[str, Recording], folder: Path) -> 
     return written
 
 
-def _paths(axis: Any, fleet: Fleet, run: Recording) -> None:
+def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
     keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
     for i in shown_vehicles(len(fleet)):
@@ -76,7 +76,7 @@ def _paths(axis: Any, fleet: Fleet, run: Recording) -> None:
     axis.set_adjustable("datalim")
 
 
-def _poses(axes: Any, fleet: Fleet, run: Recording) -> None:
+def _poses(axes: Any, fleet: Fleet, run: Trajectory) -> None:
     """Figures 5 and 6: position relative to the place in the formation, and heading, against time."""
     plant = fleet.plant()
     rows = (
@@ -95,7 +95,7 @@ def _poses(axes: Any, fleet: Fleet, run: Recording) -> None:
     axes[-1].set_xlabel("time / s")
 
 
-def _cross_track(axis: Any, fleet: Fleet, run: Recording) -> None:
+def _cross_track(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     """The largest |error across the leader's heading| from each time on, and the t^(-1/2) that theory predicts."""
     plant = fleet.plant()
     error_x = run.state.x - plant.offset_x - plant.leader_x
@@ -117,7 +117,7 @@ def _cross_track(axis: Any, fleet: Fleet, run: Recording) -> None:
     axis.set(xlabel="time / s", ylabel="largest |cross-track error| from then on / m", xscale="log", yscale="log")
 
 
-def _torques(axis: Any, fleet: Fleet, run: Recording) -> None:
+def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     """Figure 7: the larger wheel torque over its limit; the largest in each drawn interval, so no peak is lost."""
     left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
     right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
@@ -132,7 +132,7 @@ def _torques(axis: Any, fleet: Fleet, run: Recording) -> None:
     axis.set(xlabel="time / s", ylabel="largest |torque| / limit", yscale="log")
 
 
-def _energies(axis: Any, _: Fleet, run: Recording) -> None:
+def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
     """V of (17), which never rises, and W of (19), which does."""
     keep = _thinned(len(run.t))
     for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ...models.arrays import floats
 from ...models.fleet import Fleet
 from ...models.numbers import low
-from ...verify.simulation.recording import Floats, Recording
+from ...verify.simulation.trajectory import Floats, Trajectory
 from ..figures.style import shown_vehicles
 
 POSES = 60_000  # frames times vehicles
@@ -22,7 +22,7 @@ ANGLE = 1e-3  # rad
 RATIO = 1e-4  # of a torque limit
 
 
-def animation_data(fleet: Fleet, run: Recording) -> dict[str, Any]:
+def animation_data(fleet: Fleet, run: Trajectory) -> dict[str, Any]:
     """What the page's script reads: frame by frame the vehicles in turn, lengths in `unit` m from the leader."""
     shown = shown_vehicles(len(fleet))
     frames = frame_indices(run, shown, POSES // len(shown))
@@ -51,7 +51,7 @@ def animation_data(fleet: Fleet, run: Recording) -> dict[str, Any]:
     }
 
 
-def frame_indices(run: Recording, shown: list[int], most: int) -> NDArray[np.int64]:
+def frame_indices(run: Trajectory, shown: list[int], most: int) -> NDArray[np.int64]:
     """Stored points to show: dense where the vehicles move and turn, so that straight lines between them do."""
     wanted = int(np.clip(most, *FRAMES))
     if len(run.t) <= wanted:
@@ -67,14 +67,14 @@ def frame_indices(run: Recording, shown: list[int], most: int) -> NDArray[np.int
     return np.unique(np.clip(indices, 0, len(run.t) - 1))
 
 
-def peak_ratios(fleet: Fleet, run: Recording, frames: NDArray[np.int64], wheel: str) -> Floats:
+def peak_ratios(fleet: Fleet, run: Trajectory, frames: NDArray[np.int64], wheel: str) -> Floats:
     """The largest |torque| over its limit from one frame to the next, (frames, N): no peak is lost between frames."""
     limits = floats([low(getattr(vehicle.torque_limit, wheel)) for vehicle in fleet.vehicles])
     torques = run.tau_left if wheel == "left" else run.tau_right
     return np.asarray(np.maximum.reduceat(np.abs(torques), frames, axis=0) / limits)
 
 
-def _picture(run: Recording, shown: list[int]) -> float:
+def _picture(run: Trajectory, shown: list[int]) -> float:
     """The side of the square that holds all paths, m."""
     return max(float(np.ptp(run.state.x[:, shown])), float(np.ptp(run.state.y[:, shown])), 1e-3)
 

@@ -13,7 +13,7 @@ from ...models.errors import InputError
 from ...models.files.fleet_file import MAX_CSV_BYTES
 from ...models.files.text import read_text, write_text
 from ...models.fleet import Fleet
-from ...verify.simulation.recording import Recording, read_recording
+from ...verify.simulation.trajectory import Trajectory, read_trajectory
 from ..deployment import FLEET_COPY, Deployment, fleet_of_folder
 from ..rendering import render, undefined_error
 from ..tables.conditions_table import condition_rows
@@ -73,8 +73,8 @@ def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[
     """All that the template shows."""
     claims = found["proof"] or []
     certified, deployed = certificate_verdict(folder, fleet)
-    recording = _recording(folder, fleet)
-    draw_figures(folder, found["validation"], fleet, recording)
+    run = _trajectory_of(folder, fleet)
+    draw_figures(folder, found["validation"], fleet, run)
     gains = _gain_rows(folder, deployed)
     script = _script()
     return {
@@ -94,7 +94,7 @@ def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[
         "designs": design_rows(folder),
         "design_headings": HEADINGS,
         "times": _times(found["design"]),
-        "animation": animation_data(fleet, recording) if fleet and recording else None,
+        "animation": animation_data(fleet, run) if fleet and run else None,
         "missing_fleet": fleet is None and (folder / "trajectory.npz").is_file(),
         "script": script,
         "script_hash": script_hash(script),
@@ -117,15 +117,15 @@ def _rates(certificate: Any, verdicts: list[Verdict]) -> dict[str, Any]:
     return {"gamma_omega": None, "gamma_v": None}
 
 
-def _recording(folder: Path, fleet: Fleet | None) -> Recording | None:
+def _trajectory_of(folder: Path, fleet: Fleet | None) -> Trajectory | None:
     """The trajectory of the folder, where it is of as many vehicles as the fleet."""
     path = folder / "trajectory.npz"
-    recording = read_recording(path) if path.is_file() else None
-    matches = recording is not None and fleet is not None and recording.state.x.shape[1] == len(fleet)
-    return recording if matches else None
+    run = read_trajectory(path) if path.is_file() else None
+    matches = run is not None and fleet is not None and run.state.x.shape[1] == len(fleet)
+    return run if matches else None
 
 
-def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, recording: Recording | None) -> None:
+def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, run: Trajectory | None) -> None:
     """The figures that need more than one verb's files, and those of a run that is there without them."""
     from ..figures.run_figures import write_figures
     from ..figures.settling_times import write_designs, write_settling
@@ -135,8 +135,8 @@ def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, recording: 
         write_settling(validation, figures)
     if designs := design_rows(folder):
         write_designs(designs, figures)
-    if fleet and recording and not (figures / "paths.svg").is_file():
-        write_figures(fleet, {"simulation": recording}, figures)
+    if fleet and run and not (figures / "paths.svg").is_file():
+        write_figures(fleet, {"simulation": run}, figures)
 
 
 def _gain_rows(folder: Path, deployed: Deployment | None) -> list[GainRow]:

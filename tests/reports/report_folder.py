@@ -50,7 +50,7 @@ def fill(folder: Path, fleet: Fleet, horizon: float = 30.0) -> Path:
     run = simulate(fleet, gains, excitation, horizon=horizon)
     run.write(folder / "trajectory.npz")
     origin = {"scheme": "bounded", "fleet_digest": fleet.digest, "versions": {"gaincert": "<b>0</b>"}}
-    write_json(folder / "summary.json", {**summarize(fleet, run), **origin})
+    write_json(folder / "summary.json", {**summarize(fleet, run).to_json(), **origin})
     write_json(folder / "validation.json", validation())
     write_json(folder / "proof.json", CLAIMS)
     return folder

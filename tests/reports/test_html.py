@@ -24,7 +24,7 @@ from gaincert.reports.html.embed import safe_mathml
 from gaincert.reports.html.page import write_report
 from gaincert.reports.tables.conditions_table import condition_rows
 from gaincert.reports.tables.designs_table import design_rows
-from gaincert.verify.simulation.recording import Recording, read_recording
+from gaincert.verify.simulation.trajectory import Trajectory, read_trajectory
 
 from tests.reports.report_folder import ATTACKS, fill, renamed
 
@@ -202,7 +202,7 @@ def test_every_figure_is_there_as_svg_and_png(attacked, page):
 
 
 def test_the_animation_is_the_run(folder):
-    fleet, run = paper_fleet(), read_recording(folder / "trajectory.npz")
+    fleet, run = paper_fleet(), read_trajectory(folder / "trajectory.npz")
     shown = animation_data(fleet, run)
     frames = np.searchsorted(run.t, np.array(shown["t"]) - 1e-3)
     assert shown["t"][0] == 0
@@ -221,12 +221,12 @@ def test_frames_follow_the_motion():
     t = np.linspace(0, 100, 10001)
     fast = np.where(t < 5, np.sin(20 * t), 0)[:, None]
     zero = np.zeros_like(fast)
-    run = Recording(t, State(fast, zero, zero, zero, zero), zero, zero, t, t)
+    run = Trajectory(t, State(fast, zero, zero, zero, zero), zero, zero, t, t)
     frames = frame_indices(run, [0], 400)
     assert len(frames) <= 400
     assert (t[frames] < 5).mean() > 0.6
     assert np.abs(np.interp(t, t[frames], fast[frames, 0]) - fast[:, 0]).max() < 0.2
-    still = Recording(t, State(zero, zero, zero, zero, zero), zero, zero, t, t)
+    still = Trajectory(t, State(zero, zero, zero, zero, zero), zero, zero, t, t)
     assert frame_indices(still, [0], 400)[-1] == 10000
 
 
@@ -236,10 +236,10 @@ def test_arrays_that_do_not_fit_are_refused(folder, tmp_path):
     for change in ({"x": arrays["x"][:-1]}, {"V": arrays["x"]}, {"t": np.array([])}, {"y": np.array("text")}):
         np.savez(tmp_path / "t.npz", **{**arrays, **change})
         with pytest.raises(InputError, match="simulate again"):
-            read_recording(tmp_path / "t.npz")
+            read_trajectory(tmp_path / "t.npz")
     np.savez(tmp_path / "t.npz", t=np.array([print], dtype=object))  # a pickle is never opened
     with pytest.raises(InputError):
-        read_recording(tmp_path / "t.npz")
+        read_trajectory(tmp_path / "t.npz")
 
 
 @pytest.mark.slow

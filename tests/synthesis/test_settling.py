@@ -16,9 +16,8 @@ from gaincert.synthesis.rollouts import settling as batch_module
 from gaincert.synthesis.rollouts.settling import Accuracy, Trial, settle_all
 from gaincert.synthesis.rollouts.tail_times import tail_times
 from gaincert.synthesis.scaled_gains import Scalars
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Adams, Dop853
-from gaincert.verify.simulation.loop import Loop
-from gaincert.verify.simulation.observer import distances
 
 GOOD = Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2)
 SLOW = Scalars(0.3, 0.8, 1.0, 0.1, 0.9, 1.1)
@@ -38,9 +37,9 @@ def trial(task: Task, scalars: Scalars) -> Trial:
 def one_by_one(task: Task, scalars: Scalars, start: State) -> float:
     """The settling time (s) by CVODES at 1e-8, on a grid of 0.1 s."""
     candidate = task.candidate("here", scalars)
-    loop, last = Loop.of(task.fleet, candidate.gains, candidate.excitation), 0.0
+    loop, last = ClosedLoop.of(task.fleet, candidate.gains, candidate.excitation), 0.0
     for t, states in Adams(loop, step=0.1, piece=50.0, tolerance=1e-8).pieces(start):
-        outside = t[np.maximum(*(away.max(axis=1) for away in distances(loop, states))) > 0.1]
+        outside = t[loop.excess(states, Tolerance(0.1, 0.1)) > 1]
         last = float(outside[-1]) if len(outside) else last
         if last < t[0] - 0.1 or t[-1] > HORIZON:
             return last
@@ -69,7 +68,7 @@ def test_each_rollout_follows_its_own_trial_and_start(task: Task, monkeypatch: p
     candidates, starts = [task.candidate("here", scalars) for scalars in (GOOD, SLOW)], task.starts(Draw.TRAINING, 2)
     trials = [Trial(one.gains.map(floats), one.excitation) for one in candidates]
     for one, row in zip(candidates, settle_all(task.plant, trials, starts, 4.0, task.tolerance), strict=True):
-        loop = Loop.of(task.fleet, one.gains, one.excitation)
+        loop = ClosedLoop.of(task.fleet, one.gains, one.excitation)
         for settling, start in zip(row, starts, strict=True):
             assert settling is not None
             true = Dop853(loop, step=0.1, piece=10.0, tolerance=1e-8).solve(

@@ -11,28 +11,20 @@ from gaincert.models.files.fleet_file import parse
 from gaincert.models.files.fleet_text import dumps
 from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
-from gaincert.verify.simulation import disturbance as module
-from gaincert.verify.simulation.disturbance import (
-    Disturbance,
-    checked,
-    disturbed,
-    disturbed_run,
-    disturbed_summary,
-    largest_sample_time,
-    of_table,
-    parts,
-    report,
-)
+from gaincert.verify.simulation import sampled_loop as module
+from gaincert.verify.simulation.closed_loop import ClosedLoop
+from gaincert.verify.simulation.disturbance import Disturbance, checked, of_table, parts
 from gaincert.verify.simulation.integrators import Adams
-from gaincert.verify.simulation.loop import Loop
-from gaincert.verify.simulation.observer import distances
+from gaincert.verify.simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
+from gaincert.verify.simulation.summary import Summary
+from gaincert.verify.validation.robustness import DisturbedRuns
 
 WIDE = Tolerance(20.0, 5.0)
 
 
 @pytest.fixture
-def loop(paper, gains_of_paper) -> Loop:
-    return Loop.of(paper, gains_of_paper, paper.psi)
+def loop(paper, gains_of_paper) -> ClosedLoop:
+    return ClosedLoop.of(paper, gains_of_paper, paper.psi)
 
 
 @pytest.fixture
@@ -45,10 +37,10 @@ def test_the_sampled_run_tends_to_the_nominal_one(paper, loop, starts) -> None:
     exact = []
     for start in starts:
         _, states = next(Adams(loop, step=5.0, piece=5.0, tolerance=1e-12).pieces(start))
-        exact.append(distances(loop, states)[0].max())
+        exact.append(loop.distances(states)[0].max())
     gaps = []
     for sample_time in (0.01, 0.005, 0.0025):
-        found = disturbed(paper, loop, starts, Disturbance(sample_time), 5.0, WIDE)
+        found = SampledLoop(paper, loop, Disturbance(sample_time), 5.0, WIDE).outcomes(starts)
         gaps.append(np.abs(found.final_position - exact).max())
     assert gaps[2] < 0.02
     assert np.polyfit(np.log([0.01, 0.005, 0.0025]), np.log(gaps), 1)[0] == pytest.approx(1, abs=0.3)
@@ -67,7 +59,7 @@ def test_friction_takes_power_and_nothing_else(fleet, draw_state) -> None:
 
 def test_a_seed_gives_the_same_noise_and_parameters(paper, loop, starts) -> None:
     runs = [
-        disturbed(paper, loop, starts, Disturbance(mismatch=0.1, noise_position=0.05, seed=seed), 2.0, WIDE)
+        SampledLoop(paper, loop, Disturbance(mismatch=0.1, noise_position=0.05, seed=seed), 2.0, WIDE).outcomes(starts)
         for seed in (1, 1, 2)
     ]
     assert np.array_equal(runs[0].final_position, runs[1].final_position)
@@ -77,17 +69,17 @@ def test_a_seed_gives_the_same_noise_and_parameters(paper, loop, starts) -> None
 def test_torques_stay_within_limits_whatever_is_measured(paper, loop, starts) -> None:
     """(16*) holds for every state, so for every measurement of it."""
     wild = Disturbance(noise_position=100.0, noise_heading=10.0, noise_speed=100.0, delay=0.1)
-    assert disturbed(paper, loop, starts, wild, 2.0, WIDE).torque_ratio.max() < 1
+    assert SampledLoop(paper, loop, wild, 2.0, WIDE).outcomes(starts).torque_ratio.max() < 1
 
 
 def test_a_delay_holds_the_first_torques_back(paper, loop, starts) -> None:
-    still = disturbed(paper, loop, starts, Disturbance(sample_time=0.1, delay=1.0), 1.0, WIDE)
-    begin = [distances(loop, start)[0].max() for start in starts]
+    still = SampledLoop(paper, loop, Disturbance(sample_time=0.1, delay=1.0), 1.0, WIDE).outcomes(starts)
+    begin = [loop.distances(start)[0].max() for start in starts]
     assert still.final_position == pytest.approx(begin)
 
 
 def test_a_lost_link_leaves_the_other_weights(paper, loop) -> None:
-    lost = module._with_link_lost(paper, loop, Disturbance(lost_link=("v4", "v2"))).plant.graph
+    lost = module._with_link_lost(paper, loop.plant, Disturbance(lost_link=("v4", "v2"))).graph
     assert (lost.weight == 0).tolist() == [False] * 6 + [True]
     assert lost.degree.tolist() == [2, 12, 2, 12, 2, 2]
 
@@ -95,22 +87,23 @@ def test_a_lost_link_leaves_the_other_weights(paper, loop) -> None:
 def test_the_largest_sample_time_is_between_fine_and_not(paper, loop, starts, monkeypatch) -> None:
     monkeypatch.setattr(module, "SHORTEST", 0.02)
     wide = Tolerance(25.0, 8.0)
-    found = largest_sample_time(paper, loop, starts, Disturbance(), 20.0, wide)
+    found = largest_sample_time(SampledLoop(paper, loop, Disturbance(), 20.0, wide), starts)
     assert found is not None
-    assert disturbed(paper, loop, starts, Disturbance(found), 20.0, wide).fine
-    assert largest_sample_time(paper, loop, starts, Disturbance(), 1.0, Tolerance(1e-3, 1e-3)) is None
+    assert SampledLoop(paper, loop, Disturbance(found), 20.0, wide).outcomes(starts).acceptable
+    tight = SampledLoop(paper, loop, Disturbance(), 1.0, Tolerance(1e-3, 1e-3))
+    assert largest_sample_time(tight, starts) is None
 
 
 def test_parts_and_report() -> None:
     both = Disturbance(delay=0.1, mismatch=0.1)
     assert parts(both) == [Disturbance(), Disturbance(delay=0.1), Disturbance(mismatch=0.1), both]
     assert parts(Disturbance(delay=0.1)) == [Disturbance(), Disturbance(delay=0.1)]
-    found = module.Outcomes(np.array([3.0, np.inf]), np.array([0.5, 0.7]), np.ones(2), np.ones(2))
-    said = report(both, found, [1.0, 2.0])
+    found = Outcomes(np.array([3.0, np.inf]), np.array([0.5, 0.7]), np.ones(2), np.ones(2))
+    said = DisturbedRuns(both, found, [1.0, 2.0]).to_json()
     assert said["settled"] == 1
     assert said["settling_time_s"]["each"] == [3.0, None]
     assert said["later_than_nominal_s"] == {"median": 2.0, "max": 2.0}
-    assert not found.fine
+    assert not found.acceptable
 
 
 @pytest.mark.parametrize(
@@ -129,16 +122,18 @@ def test_disturbances_that_make_no_sense_are_refused(paper, real: Disturbance, m
 
 def test_a_kept_run_is_the_one_that_was_measured(paper, loop, starts) -> None:
     real = Disturbance(sample_time=0.03, noise_position=0.01, mismatch=0.1, seed=4)
-    outcome, run = disturbed_run(paper, loop, starts[0], real, 6.0, WIDE)
-    alone = disturbed(paper, loop, starts[:1], real, 6.0, WIDE)
-    assert outcome.settling_time == alone.settling_time
-    assert outcome.torque_ratio == alone.torque_ratio
+    sampled = SampledLoop(paper, loop, real, 6.0, WIDE)
+    nominal = Summary(3.0, WIDE, 6.0, 0.5, 0.0, 0.0, 0.0, 1.0, 1.0, ("V rises",))
+    summary, run = sampled.run(starts[0], nominal)
+    alone = sampled.outcomes(starts[:1])
+    assert summary.settling_time == alone.settling_time
+    assert summary.peak_torque_ratio == alone.torque_ratio
     assert run.t == pytest.approx(np.arange(0, 6, 0.09), abs=0.03)
     assert np.array_equal(run.state.x[0], starts[0].x)
-    assert np.abs(run.tau_left / loop.torque_left).max() <= outcome.torque_ratio[0]
+    assert np.abs(run.tau_left / loop.torque_left).max() <= alone.torque_ratio[0]
     assert run.state.x.shape == (len(run.t), 6)
-    summary = disturbed_summary(outcome, run, WIDE, real, {"horizon_s": 6.0, "violations": ["V rises"]})
-    assert summary["violations"] == ["V rises"]  # what the nominal run breaks is not hidden by the disturbed one
+    assert summary.violations == ("V rises",)  # what the nominal run breaks is not hidden by the disturbed one
+    assert summary.to_json()["nominal"]["settling_time_s"] == 3.0
 
 
 def test_the_table_of_a_fleet_file_says_the_same_as_options(paper) -> None:

@@ -16,14 +16,15 @@ from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.parallel import cluster, in_turn, local
-from gaincert.verify.simulation.chaos_aware import CALM, GATHERED, OPENING, Staged
+from gaincert.verify.simulation.chaos_aware import NOT_CHAOTIC, TAIL, TRANSIENT_PIECE, ChaosAware
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Adams
-from gaincert.verify.simulation.loop import Loop
 from gaincert.verify.simulation.simulate import simulate, summarize
-from gaincert.verify.validation.results_file import Ledger
-from gaincert.verify.validation.statistics import SENSITIVE, sentences, spread
-from gaincert.verify.validation.statistics import summarize as summarize_all
-from gaincert.verify.validation.validate import Question, ask, origin_of_states, replay, run_start, validate
+from gaincert.verify.validation.results_file import ResultsFile
+from gaincert.verify.validation.spread import Spread
+from gaincert.verify.validation.start_result import StartResult
+from gaincert.verify.validation.statistics import SENSITIVE, ValidationResults
+from gaincert.verify.validation.validate import ValidationSpec, make_spec, origin_of_states, replay, run_start, validate
 
 ROOT = Path(__file__).parents[2]
 FAST = {  # a design under (16*) alone
@@ -61,18 +62,10 @@ def chosen(tmp_path_factory):
     return load_gains(fast_gains(tmp_path_factory.mktemp("gains")), paper_fleet())
 
 
-def question(fleet, chosen, horizon=60.0, tolerance=Tolerance(1.0, 1.0), method="auto", seed=3) -> Question:  # noqa: B008
+def spec_of(fleet, chosen, horizon=60.0, tolerance=Tolerance(1.0, 1.0), engine="auto", seed=3) -> ValidationSpec:  # noqa: B008
+    loop = ClosedLoop.of(fleet, chosen.gains, chosen.excitation)
     origin = {"random": {"seed": seed, "box_m": 40.0}}
-    return ask(
-        fleet,
-        chosen.gains,
-        chosen.excitation,
-        origin,
-        horizon=horizon,
-        tolerance=tolerance,
-        method=method,
-        versions={},
-    )
+    return make_spec(fleet, loop, origin, horizon=horizon, tolerance=tolerance, engine=engine, versions={})
 
 
 def gaincert(*arguments: object) -> list[str]:
@@ -80,51 +73,51 @@ def gaincert(*arguments: object) -> list[str]:
 
 
 def test_one_start_settles_when_simulate_says_so(paper, chosen) -> None:
-    asked = question(paper, chosen)
+    spec = spec_of(paper, chosen)
     start = random_starts(paper, 2, 3, 20.0)[1]
-    result = run_start(asked, 1, start)
+    result = run_start(spec, 1, start)
     shown = simulate(paper, chosen.gains, chosen.excitation, start=start, horizon=60)
-    summary = summarize(paper, shown, asked.tolerance)
-    assert result["settling_time_s"] == pytest.approx(summary["settling_time_s"], abs=1e-4)
-    assert result["peak_torque_ratio"]["value"] == pytest.approx(summary["peak_torque_ratio"], rel=1e-5)
-    assert result["violations"] == summary["violations"] == []
-    assert 0 < result["physical_limit_s"] < result["settling_time_s"]
+    summary = summarize(paper, shown, spec.tolerance)
+    assert result.settling_time == pytest.approx(summary.settling_time, abs=1e-4)
+    assert result.measurement.torque_ratio.value == pytest.approx(summary.peak_torque_ratio, rel=1e-5)
+    assert result.violations == summary.violations == ()
+    assert 0 < result.measurement.physical_limit < result.settling_time
+    assert StartResult.from_json(json.loads(json.dumps(result.to_json()))) == result
 
 
 def test_an_independent_integrator_gives_the_same_numbers(paper, chosen) -> None:
     start = random_starts(paper, 1, 3, 20.0)[0]
-    one, other = (run_start(question(paper, chosen, method=name), 0, start) for name in ("auto", "dop853"))
-    assert one["settling_time_s"] == pytest.approx(other["settling_time_s"], rel=0.02)
-    assert one["peak_torque_ratio"]["value"] == pytest.approx(other["peak_torque_ratio"]["value"], rel=0.02)
+    one, other = (run_start(spec_of(paper, chosen, engine=name), 0, start) for name in ("auto", "dop853"))
+    assert one.settling_time == pytest.approx(other.settling_time, rel=0.02)
+    assert one.measurement.torque_ratio.value == pytest.approx(other.measurement.torque_ratio.value, rel=0.02)
 
 
-def test_a_calm_start_is_integrated_economically(paper, gains_of_paper) -> None:
-    """Where two rough runs agree nothing is spent on accuracy; the error is far below what they differ by."""
-    loop = Loop.of(paper, gains_of_paper, paper.psi)
-    staged = Staged(loop, step=0.25, piece=60.0, tolerance=1e-8)
+def test_a_start_that_is_not_chaotic_is_integrated_loosely(paper, gains_of_paper) -> None:
+    """Where two loose runs agree, the loose integration is used; its error is far below their difference."""
+    loop = ClosedLoop.of(paper, gains_of_paper, paper.psi)
+    chaos_aware = ChaosAware(loop, step=0.25, piece=60.0, tolerance=1e-8)
     start = random_starts(paper, 1, 777, 30.0)[0]
-    t, states = next(staged.pieces(start))
+    t, states = next(chaos_aware.pieces(start))
     _, reference = next(Adams(loop, step=0.25, piece=60.0, tolerance=1e-15).pieces(start))
     assert t[-1] == 60.0
-    assert 0 < np.abs(states.x - reference.x).max() < 0.01 * staged.apart < 0.01 * CALM
+    assert 0 < np.abs(states.x - reference.x).max() < 0.01 * chaos_aware.sensitivity < 0.01 * NOT_CHAOTIC
 
 
-def test_a_chaotic_start_is_integrated_accurately_until_the_fleet_has_gathered(paper, chosen) -> None:
-    loop = Loop.of(paper, chosen.gains, chosen.excitation)
-    staged = Staged(loop, step=0.25, piece=100.0, tolerance=1e-8)
+def test_a_chaotic_start_is_integrated_accurately_until_the_transient_is_over(paper, chosen) -> None:
+    loop = ClosedLoop.of(paper, chosen.gains, chosen.excitation)
+    chaos_aware = ChaosAware(loop, step=0.25, piece=100.0, tolerance=1e-8)
     start = random_starts(paper, 5, 3, 30.0)[4]
     times, lengths = [0.0], []
-    for t, states in staged.pieces(start):
+    for t, states in chaos_aware.pieces(start):
         times += t.tolist()
         lengths.append(round(t[-1] - times[-len(t) - 1]))
-        away = loop.offsets(State(*(column[-1] for column in states)))
-        if lengths[-1] > OPENING:
+        if lengths[-1] > TRANSIENT_PIECE:
             break
-        near = max(np.hypot(away.x, away.y).max(), np.abs(away.theta).max()) < GATHERED
-        assert near == (lengths == [OPENING, OPENING])
-    assert lengths == [OPENING, OPENING, 100]
+        near = loop.excess(State(*(column[-1] for column in states)), TAIL) < 1
+        assert near == (lengths == [TRANSIENT_PIECE, TRANSIENT_PIECE])
+    assert lengths == [TRANSIENT_PIECE, TRANSIENT_PIECE, 100]
     assert np.diff(times) == pytest.approx(0.25)
-    assert 0 < staged.apart < 1e-3
+    assert 0 < chaos_aware.sensitivity < 1e-3
 
 
 @pytest.mark.slow
@@ -133,31 +126,31 @@ def test_a_chaotic_start_has_the_same_time_in_both_integrators_or_is_called_sens
     starts = random_starts(paper, 5, 3, 30.0)
     results = []
     for number in (1, 2, 4):
-        asked = (question(paper, chosen, horizon=80.0, method=name) for name in ("auto", "dop853"))
-        one, other = (run_start(each, number, starts[number]) for each in asked)
+        specs = (spec_of(paper, chosen, horizon=80.0, engine=name) for name in ("auto", "dop853"))
+        one, other = (run_start(spec, number, starts[number]) for spec in specs)
         results.append(one)
-        if one["sensitivity_m"] < SENSITIVE:
-            assert one["settling_time_s"] == pytest.approx(other["settling_time_s"], abs=0.01)
-    document = summarize_all(question(paper, chosen), results, 3)
-    assert document["sensitive"] == [2]
-    assert "1 of 3 starts are chaotic at first" in "\n".join(sentences(document))
+        if one.measurement.sensitivity < SENSITIVE:
+            assert one.settling_time == pytest.approx(other.settling_time, abs=0.01)
+    validation = ValidationResults(spec_of(paper, chosen), results, 3)
+    assert validation.sensitive == [2]
+    assert "1 of 3 starts are chaotic at first" in "\n".join(validation.sentences())
 
 
 def test_results_are_the_same_in_any_process_and_order(paper, chosen, tmp_path: Path) -> None:
-    asked, starts = question(paper, chosen, horizon=20.0), random_starts(paper, 5, 3, 20.0)
-    here = validate(asked, starts, tmp_path / "here", Here(), 1)
+    spec, starts = spec_of(paper, chosen, horizon=20.0), random_starts(paper, 5, 3, 20.0)
+    here = validate(spec, starts, tmp_path / "here", Here(), 1)
     with local(2) as (pool, workers):
-        there = validate(asked, starts, tmp_path / "there", pool, workers)
+        there = validate(spec, starts, tmp_path / "there", pool, workers)
     assert here == there
-    again, stored, run = replay(asked, 3, starts[3], tmp_path / "there")
+    again, stored, run = replay(spec, 3, starts[3], tmp_path / "there")
     assert again == stored == here[3]
     assert run.t[-1] == pytest.approx(20.0)
 
 
 def test_what_is_stored_is_not_run_again_and_a_torn_line_is(paper, chosen, tmp_path: Path) -> None:
-    asked, starts = question(paper, chosen, horizon=5.0), random_starts(paper, 4, 3, 20.0)
-    whole = validate(asked, starts, tmp_path, Here(), 1)
-    path = tmp_path / f"validation-{asked.key}.jsonl"
+    spec, starts = spec_of(paper, chosen, horizon=5.0), random_starts(paper, 4, 3, 20.0)
+    whole = validate(spec, starts, tmp_path, Here(), 1)
+    path = tmp_path / f"validation-{spec.key}.jsonl"
     lines = path.read_bytes().splitlines(keepends=True)
     path.write_bytes(b"".join(lines[:3]) + lines[3][:40])
     ran = []
@@ -167,36 +160,36 @@ def test_what_is_stored_is_not_run_again_and_a_torn_line_is(paper, chosen, tmp_p
             ran.append(args[1])
             return super().submit(function, *args, **kwargs)
 
-    assert validate(asked, starts, tmp_path, Counting(), 1) == whole
+    assert validate(spec, starts, tmp_path, Counting(), 1) == whole
     assert sorted(ran) == sorted(set(range(4)) - {json.loads(line)["start"] for line in lines[1:3]})
     assert sorted(path.read_bytes().splitlines(keepends=True)) == sorted(lines)
 
 
-def test_another_question_has_another_ledger(paper, chosen) -> None:
+def test_another_specification_has_another_results_file(paper, chosen) -> None:
     keys = {
-        question(paper, chosen, **change).key
+        spec_of(paper, chosen, **change).key
         for change in (
             {},
             {"seed": 4},
             {"horizon": 61.0},
             {"tolerance": Tolerance(1.0, 1.1)},
-            {"method": "dop853"},
-            {"method": "cvodes"},
+            {"engine": "dop853"},
+            {"engine": "cvodes"},
         )
     }
     assert len(keys) == 6
     moved = paper.model_copy(update={"leader": paper.leader.model_copy(update={"heading_deg": 224})})
-    assert question(moved, chosen).key not in keys
+    assert spec_of(moved, chosen).key not in keys
     assert origin_of_states(random_starts(paper, 1, 0)) != origin_of_states(random_starts(paper, 1, 1))
 
 
-def test_a_damaged_or_foreign_ledger_is_refused(tmp_path: Path) -> None:
+def test_a_damaged_or_foreign_results_file_is_refused(tmp_path: Path) -> None:
     (tmp_path / "validation-k.jsonl").write_text('{"a": 1}\nnonsense\n')
     with pytest.raises(InputError, match="is damaged"):
-        Ledger(tmp_path, "k", {"a": 1})
+        ResultsFile(tmp_path, "k", {"a": 1})
     (tmp_path / "validation-k.jsonl").write_text('{"a": 2}\n')
-    with pytest.raises(InputError, match="another question"):
-        Ledger(tmp_path, "k", {"a": 1})
+    with pytest.raises(InputError, match="another validation"):
+        ResultsFile(tmp_path, "k", {"a": 1})
 
 
 def die(number: int) -> int:
@@ -212,20 +205,22 @@ def test_a_worker_that_dies_is_one_message() -> None:
 
 def test_a_start_on_which_the_integrator_gives_up_is_a_failure_of_its_own(paper, chosen, monkeypatch) -> None:
     monkeypatch.setattr("gaincert.verify.simulation.cvodes.MAX_STEPS", 3)
-    asked = question(paper, chosen, horizon=7.0)
-    result = run_start(asked, 0, paper.start())
-    assert result["gave_up"]
-    document = summarize_all(asked, [result], 0)
+    spec = spec_of(paper, chosen, horizon=7.0)
+    result = run_start(spec, 0, paper.start())
+    assert StartResult.from_json(result.to_json()) == result
+    assert result.to_json()["gave_up"]
+    validation = ValidationResults(spec, [result], 0)
+    document = validation.to_json()
     assert document["settled"] == 0
     assert document["failures"][0]["gave_up"]
     assert document["peak_torque_ratio"] is None
-    assert sentences(document)
+    assert validation.sentences()
 
 
 def test_spread_counts_the_unsettled_as_later_than_all_others() -> None:
-    assert spread([3.0, 1.0, 2.0]) == {"median": 2.0, "p90": pytest.approx(2.8), "max": 3.0}
-    assert spread([3.0, 1.0, None]) == {"median": 3.0, "p90": None, "max": None}
-    assert spread([None]) == {"median": None, "p90": None, "max": None}
+    assert Spread.of([3.0, 1.0, 2.0]) == (2.0, pytest.approx(2.8), 3.0)
+    assert Spread.of([3.0, 1.0, None]) == (3.0, None, None)
+    assert Spread.of([None]) == (None, None, None)
 
 
 @pytest.mark.slow
@@ -285,9 +280,9 @@ def test_a_starts_file_and_its_mistakes(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_dask_cluster_gives_the_same_numbers_though_a_worker_is_killed(paper, chosen, tmp_path: Path) -> None:
     distributed = pytest.importorskip("distributed")
-    asked, starts = question(paper, chosen, horizon=100.0), random_starts(paper, 24, 3, 20.0)
+    spec, starts = spec_of(paper, chosen, horizon=100.0), random_starts(paper, 24, 3, 20.0)
     with local(2) as (pool, workers):
-        expected = validate(asked, starts, tmp_path / "local", pool, workers)
+        expected = validate(spec, starts, tmp_path / "local", pool, workers)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as machines:
         victim = next(iter(machines.workers.values())).process.process.pid
         killed = []
@@ -297,6 +292,6 @@ def test_a_dask_cluster_gives_the_same_numbers_though_a_worker_is_killed(paper, 
                 killed.append(os.kill(victim, signal.SIGKILL))
 
         with cluster(machines.scheduler_address) as (executor, workers):
-            found = validate(asked, starts, tmp_path / "dask", executor, workers, progress)
+            found = validate(spec, starts, tmp_path / "dask", executor, workers, progress)
     assert killed
     assert found == expected

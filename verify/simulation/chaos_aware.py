@@ -1,7 +1,8 @@
-"""CVODES as accurate as a start asks for: economical where the motion is calm, at the limit of doubles where it is not.
+"""CVODES at the accuracy that a start needs: loose where the motion is not chaotic, the limit of doubles where it is.
 
-Far from the goal the closed loop can be chaotic: under fast gains a disturbance of the paper's fleet grows a million
-to a million million times before it has gathered, and with it every error of integration. Later the motion contracts.
+Far from the goal the closed loop can be chaotic: under fast gains a difference in the initial state of the paper's
+fleet grows by a factor of 1e6 to 1e12 during the transient, and integration errors grow with it. Near the goal the
+motion contracts.
 """
 
 from __future__ import annotations
@@ -11,54 +12,54 @@ from collections.abc import Iterator
 import numpy as np
 
 from ...models.equations import State
+from ...models.tolerance import Tolerance
+from .closed_loop import ClosedLoop, Floats
 from .integrators import Adams, Cvodes, Integrator
-from .loop import Floats, Loop
-from .observer import distances
 
-ROUGH_TOLERANCES = (1e-5, 1e-6)  # of the two runs that tell whether a start is calm
-CALM = 0.05  # m, by which they may differ there: the economical run then errs by some tenths of a millimetre
-OPENING = 20.0  # s, between two looks at whether the fleet has gathered
-OPENING_TOLERANCE = 1e-15
-SECOND_TOLERANCE = 1e-12  # of a second opening, which tells how far the first can be relied on
-GATHERED = 0.1  # m and rad, from all places: what is left is small against the usual tolerances
+TEST_TOLERANCES = (1e-5, 1e-6)  # of the two runs that tell whether a start is chaotic
+NOT_CHAOTIC = 0.05  # m, largest difference of these two runs; the loose integration then errs by less than 1 mm
+TRANSIENT_PIECE = 20.0  # s, between two tests whether the transient is over
+TRANSIENT_TOLERANCE = 1e-15
+COMPARISON_TOLERANCE = 1e-12  # of a second transient run; the difference tells how reliable the first one is
+TAIL = Tolerance(0.1, 0.1)  # the transient ends where all vehicles are this close to the formation
 
 
-class Staged(Integrator):
-    """Backward differentiation at `tolerance`; before that, where a start is not calm, Adams until it has gathered."""
+class ChaosAware(Integrator):
+    """Backward differentiation at `tolerance`; chaotic starts use Adams formulas until the transient is over.
 
-    def __init__(self, loop: Loop, *, step: float, piece: float, tolerance: float) -> None:
-        """Build all stages; `piece` is that of the economical one, and the time over which a start must be calm."""
+    `sensitivity` is the largest distance, m, between two accurate runs of the last start: where it is large, rounding
+    decides the run, and its settling time means nothing.
+    """
+
+    def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
+        """Build all integrators; `piece` is that of the tail, and how long the test runs last."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
-        opening = max(step, min(piece, OPENING))
-        self._rough = [Cvodes(loop, step=step, piece=piece, tolerance=rough) for rough in ROUGH_TOLERANCES]
-        self._opening = Adams(loop, step=step, piece=opening, tolerance=OPENING_TOLERANCE)
-        self._second = Adams(loop, step=step, piece=opening, tolerance=SECOND_TOLERANCE)
-        self._cruise = Cvodes(loop, step=step, piece=piece, tolerance=tolerance)
-        self.apart = 0.0  # m, by which two runs of the last start ever differed; beyond some, nobody knows the true one
+        transient = max(step, min(piece, TRANSIENT_PIECE))
+        self._tests = [Cvodes(loop, step=step, piece=piece, tolerance=loose) for loose in TEST_TOLERANCES]
+        self._transient = Adams(loop, step=step, piece=transient, tolerance=TRANSIENT_TOLERANCE)
+        self._comparison = Adams(loop, step=step, piece=transient, tolerance=COMPARISON_TOLERANCE)
+        self._tail = Cvodes(loop, step=step, piece=piece, tolerance=tolerance)
+        self.sensitivity = 0.0
 
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """See `Integrator`."""
-        one, other = (next(rough.pieces(start, begin))[1] for rough in self._rough)
-        self.apart = _distance(one, other)
-        if self.apart > CALM:
-            self.apart, state = 0.0, start
-            pairs = zip(self._opening.pieces(start, begin), self._second.pieces(start, begin), strict=False)
-            for (t, states), (_, second) in pairs:
-                self.apart = max(self.apart, _distance(states, second))
+        first, second = (next(test.pieces(start, begin))[1] for test in self._tests)
+        self.sensitivity = _distance(first, second)
+        if self.sensitivity > NOT_CHAOTIC:
+            self.sensitivity, state = 0.0, start
+            pairs = zip(self._transient.pieces(start, begin), self._comparison.pieces(start, begin), strict=False)
+            for (t, states), (_, compared) in pairs:
+                self.sensitivity = max(self.sensitivity, _distance(states, compared))
                 yield t, states
                 begin, state = float(t[-1]), State(*(column[-1] for column in states))
-                if self._gathered(state):
+                if self.loop.excess(state, TAIL) < 1:
                     break
             start = state
-        yield from self._cruise.pieces(start, begin)
+        yield from self._tail.pieces(start, begin)
 
     def between(self, t: float, state: State) -> tuple[Floats, State]:
         """See `Integrator`."""
-        return self._opening.between(t, state)
-
-    def _gathered(self, state: State) -> bool:
-        position, heading = distances(self.loop, state)
-        return bool(max(position.max(), heading.max()) < GATHERED)
+        return self._transient.between(t, state)
 
 
 def _distance(one: State, other: State) -> float:

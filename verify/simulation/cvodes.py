@@ -1,4 +1,4 @@
-"""Rollouts of the closed loop by CasADi's CVODES, built once per fleet and excitation, with the gains as parameters."""
+"""The closed loop as a CasADi integrator object (SUNDIALS' CVODES), built once, for any start."""
 
 from __future__ import annotations
 
@@ -9,49 +9,35 @@ import casadi as ca
 import numpy as np
 
 from ...models.algebra.ops import casadi_column, casadi_ops, unbounded
-from ...models.equations import Plant, State, closed_loop
+from ...models.equations import State, closed_loop
 from ...models.errors import UndecidedError, last_line
-from ...models.excitation import Excitation
-from ...models.gains import GAIN_NAMES, Gains
-from .loop import Floats
+from .closed_loop import ClosedLoop, Floats
 
 MAX_STEPS = 200_000  # of CVODES between two outputs
 SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
 
 
-class Rollout:
-    """The closed loop of one plant under one excitation, integrated piece by piece for any gains and start."""
+class CasadiIntegrator:
+    """Integrates a closed loop piece by piece: output every `step` s, `piece` s in one call of CVODES."""
 
-    def __init__(
-        self,
-        plant: Plant,
-        excitation: Excitation,
-        *,
-        step: float,
-        piece: float,
-        reltol: float,
-        abstol: float,
-        bounded: bool,
-        multistep: str,
-    ) -> None:
-        """Build the integrator: output every `step` s, in pieces of `piece` s; `multistep` is bdf or adams."""
-        self.vehicles = plant.graph.vehicles
-        self.per_piece = max(1, round(piece / step))
-        self.step = step
-        ops = casadi_ops() if bounded else unbounded(casadi_ops())
-        symbol = ca.SX if self.vehicles <= SX_VEHICLES else ca.MX
-        x = symbol.sym("x", 5 * self.vehicles)
-        p = symbol.sym("p", 5 * self.vehicles + 1)
-        t = symbol.sym("t")
-        # psi is read at (start of the piece) + t, so that all pieces share one integrator.
-        *columns, begin = ca.vertsplit(p, [*range(0, 5 * self.vehicles + 1, self.vehicles), 5 * self.vehicles + 1])
-        state = State(*ca.vertsplit(x, self.vehicles))
-        rates = closed_loop(ops, plant.map(casadi_column), Gains(*columns), excitation.value(ops, begin + t), state)
-        problem = {"x": x, "t": t, "p": p, "ode": shared(ca.vertcat(*rates))}
+    def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float, multistep: str) -> None:
+        """Build the integrator; `tolerance` is relative and absolute, `multistep` is bdf or adams.
+
+        Raises UndecidedError where CasADi cannot build it.
+        """
+        n = loop.vehicles
+        self.loop, self.step, self.per_piece = loop, step, max(1, round(piece / step))
+        ops = casadi_ops() if loop.bounded else unbounded(casadi_ops())
+        symbol = ca.SX if n <= SX_VEHICLES else ca.MX
+        # The time at which a piece begins is a parameter, so that all pieces share one integrator.
+        x, begin, t = symbol.sym("x", 5 * n), symbol.sym("begin"), symbol.sym("t")
+        plant, gains, state = loop.plant.map(casadi_column), loop.gains.map(casadi_column), State(*ca.vertsplit(x, n))
+        rates = closed_loop(ops, plant, gains, loop.excitation.value(ops, begin + t), state)
+        problem = {"x": x, "t": t, "p": begin, "ode": shared(ca.vertcat(*rates))}
         outputs = (step * np.arange(1, self.per_piece + 1)).tolist()
         options = {
-            "reltol": reltol,
-            "abstol": abstol,
+            "reltol": tolerance,
+            "abstol": tolerance,
             "max_num_steps": MAX_STEPS,
             "linear_multistep_method": multistep,
         }
@@ -60,16 +46,15 @@ class Rollout:
         except RuntimeError as error:
             raise UndecidedError(f"the integrator cannot be built: {last_line(error)}") from None
 
-    def pieces(self, gains: Gains, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
+    def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
 
         Raises UndecidedError where CVODES stalls.
         """
         x = np.concatenate(start)
-        columns = np.concatenate([np.asarray(getattr(gains, name), dtype=float) for name in GAIN_NAMES])
         while True:
             try:
-                solved = self._integrator(x0=x, p=np.concatenate([columns, [begin]]))
+                solved = self._integrator(x0=x, p=begin)
             except RuntimeError as error:
                 raise UndecidedError(f"the integrator gave up after t = {begin:g} s: {last_line(error)}") from None
             states = np.asarray(solved["xf"])
@@ -80,7 +65,7 @@ class Rollout:
             begin += self.per_piece * self.step
 
     def _state(self, columns: Any) -> State:
-        blocks = columns.reshape(5, self.vehicles, -1)
+        blocks = columns.reshape(5, self.loop.vehicles, -1)
         return State(*(block.T for block in blocks))
 
 

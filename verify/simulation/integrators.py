@@ -1,6 +1,6 @@
-"""Independent ways to integrate a `Loop`: CVODES on the CasADi expression, DOP853 on the NumPy one.
+"""Independent integrators of a `ClosedLoop`: CVODES on the CasADi expression, DOP853 on the NumPy one.
 
-Each gives the solution piece after piece on a grid, and between two points of the grid on a finer one.
+Each gives the solution piece by piece on a grid, and between two grid points on a finer grid.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ import numpy as np
 
 from ...models.equations import State
 from ...models.errors import UndecidedError
-from .cvodes import Rollout
-from .loop import Floats, Loop
+from .closed_loop import ClosedLoop, Floats
+from .cvodes import CasadiIntegrator
 
 SUBSTEPS = 50  # points of the finer grid in one step
 
 
 class Integrator(ABC):
-    """What produces a run, and what looks closer at one of its steps."""
+    """Produces a run, and the solution within one of its steps."""
 
-    def __init__(self, loop: Loop, *, step: float, piece: float, tolerance: float) -> None:
+    def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
         """Output every `step` s in pieces of `piece` s; `tolerance` is relative and absolute, in SI units."""
         self.loop, self.step, self.piece, self.tolerance = loop, step, piece, tolerance
         self.per_piece = max(1, round(piece / step))
@@ -33,7 +33,7 @@ class Integrator(ABC):
 
     @abstractmethod
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
-        """Times (K,) after `begin` and states (K, N), piece after piece without end; the start is left out."""
+        """Times (K,) after `begin` and states (K, N), piece by piece without end; the start is left out."""
 
     @abstractmethod
     def between(self, t: float, state: State) -> tuple[Floats, State]:
@@ -45,33 +45,24 @@ class Cvodes(Integrator):
 
     multistep = "bdf"
 
-    def __init__(self, loop: Loop, *, step: float, piece: float, tolerance: float) -> None:
-        """Build the integrators of the grid and of the finer grid once, when they are first needed."""
+    def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
+        """The CasADi integrators of the grid and of the finer grid are built when they are first needed."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
-        self._grid: Rollout | None = None
-        self._finer: Rollout | None = None
+        self._grid: CasadiIntegrator | None = None
+        self._finer: CasadiIntegrator | None = None
 
-    def _rollout(self, step: float, piece: float) -> Rollout:
-        return Rollout(
-            self.loop.plant,
-            self.loop.excitation,
-            step=step,
-            piece=piece,
-            reltol=self.tolerance,
-            abstol=self.tolerance,
-            bounded=self.loop.bounded,
-            multistep=self.multistep,
-        )
+    def _built(self, step: float, piece: float) -> CasadiIntegrator:
+        return CasadiIntegrator(self.loop, step=step, piece=piece, tolerance=self.tolerance, multistep=self.multistep)
 
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """See `Integrator`."""
-        self._grid = self._grid or self._rollout(self.step, self.piece)
-        return self._grid.pieces(self.loop.gains, start, begin=begin)
+        self._grid = self._grid or self._built(self.step, self.piece)
+        return self._grid.pieces(start, begin=begin)
 
     def between(self, t: float, state: State) -> tuple[Floats, State]:
         """See `Integrator`."""
-        self._finer = self._finer or self._rollout(self.step / SUBSTEPS, self.step)
-        return next(self._finer.pieces(self.loop.gains, state, begin=t))
+        self._finer = self._finer or self._built(self.step / SUBSTEPS, self.step)
+        return next(self._finer.pieces(state, begin=t))
 
 
 class Adams(Cvodes):

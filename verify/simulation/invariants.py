@@ -1,21 +1,26 @@
-"""What must hold on every run of the bounded scheme; a violation is named with its time and vehicle."""
+"""What the theorem promises of every run of the bounded scheme, checked on a measured run."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 from ...models.equations import State
-from .loop import Loop
-from .observer import Outcome
+from .closed_loop import ClosedLoop
+from .monitor import Outcome
 
-ENERGY_ERROR = 1e3  # times the integrator's tolerance: the relative error of V that is put down to integration
-ROUNDING = 1e-6  # by which a ratio may pass 1 through the integration's error
+ENERGY_ERROR = 1e3  # times the integrator's tolerance: a relative rise of V that integration error explains
+ROUNDING = 1e-6  # by which a ratio may pass 1 through the integration error
 
 
-def violations(loop: Loop, outcome: Outcome, start: State, accuracy: float, names: Sequence[str]) -> list[str]:
-    """One sentence for every broken promise of the theorem: torque limits, V (17) falling, certified speeds."""
+def violations(
+    loop: ClosedLoop, outcome: Outcome, start: State, tolerance: float, names: Sequence[str]
+) -> tuple[str, ...]:
+    """One sentence per broken promise: torque limits, V (17) never rising, certified speeds.
+
+    `tolerance` is that of the integrator; `names` are the vehicles' names.
+    """
     if not loop.bounded:
-        return []
+        return ()
     broken = []
     torque, certified = outcome.torque_ratio, outcome.certified
     if torque.value > 1:
@@ -28,7 +33,7 @@ def violations(loop: Loop, outcome: Outcome, start: State, accuracy: float, name
             f"vehicle {names[certified.vehicle]!r}: |v| or |omega| is {certified.value:.9g} of its certified bound "
             f"at t = {certified.time:.6g} s"
         )
-    allowed = ENERGY_ERROR * accuracy * (1 + float(loop.translational_energy(start)))
+    allowed = ENERGY_ERROR * tolerance * (1 + float(loop.translational_energy(start)))
     if outcome.energy_rise > allowed:
         broken.append(f"V of (17) rises by {outcome.energy_rise:.3g}, more than integration explains ({allowed:.3g})")
-    return broken
+    return tuple(broken)

@@ -12,8 +12,8 @@ import numpy as np
 from ...models.algebra.ops import flat_ops, unbounded
 from ...models.equations import State, closed_loop
 from ...models.errors import UndecidedError
+from .closed_loop import ClosedLoop, Floats
 from .integrators import Explicit
-from .loop import Floats, Loop
 
 # Dormand and Prince (1980); rows of the Butcher matrix, the last row is the solution of order 5.
 _A = (
@@ -50,7 +50,7 @@ SMALLEST_STEP = 1e-12  # s
 class Dopri5(Explicit):
     """Dormand and Prince's method with an error per step below `tolerance` in the root mean square."""
 
-    def __init__(self, loop: Loop, *, step: float, piece: float, tolerance: float) -> None:
+    def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
         """Set up the arrays that every step uses again."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
         self.rate = rate_function(loop)
@@ -109,7 +109,7 @@ class Dopri5(Explicit):
         )
 
 
-def rate_function(loop: Loop) -> Callable[[float, Floats, Floats], None]:
+def rate_function(loop: ClosedLoop) -> Callable[[float, Floats, Floats], None]:
     """(13)-(14) over flat arrays: rate(t, x, out) fills `out` (5 N,), the columns of the state end to end."""
     ops = flat_ops(loop.plant.graph)
     ops = ops if loop.bounded else unbounded(ops)

@@ -1,13 +1,10 @@
-"""Simulates the closed loop, and says what happened: settling and peaks to the accuracy of the integrator."""
+"""Simulates the closed loop; settling time and peaks are measured to the accuracy of the integrator."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...models.deadline import Deadline
 from ...models.equations import State
@@ -16,35 +13,24 @@ from ...models.excitation import Excitation
 from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.tolerance import Tolerance
-from .engine import make, named
+from .closed_loop import ClosedLoop, Floats
+from .engines import engine_name, make_integrator
 from .integrators import Integrator
-from .invariants import violations as broken_promises
-from .loop import Loop
-from .observer import Observer, Outcome, Peak, distances
-from .recording import Recording
+from .invariants import violations
+from .monitor import Monitor, Outcome
+from .summary import IntegrationError, Summary
+from .trajectory import Trajectory
 
-Floats = NDArray[np.float64]
-
-ROUNDING = 64 * 2.0**-52  # of the largest coordinate: what thousands of steps in doubles lose at any tolerance
-LOOSER = 10.0  # times its tolerance: the run that an integrator's error is measured against
+ROUNDING = 64 * 2.0**-52  # relative to the largest coordinate: what thousands of steps in doubles lose at any tolerance
+LOOSER = 10.0  # factor on the tolerance of the run that the integration error is measured against
 STEP = 0.1  # s between stored points
 PIECE = 20.0  # s between looks at the clock
-LONGEST = 5000.0  # s, where no horizon is asked for and the fleet does not settle before
-MAX_NUMBERS = 40_000_000  # stored numbers; beyond, points are stored less often
-LOOK = 250_000  # numbers that are looked at together when a run is measured
-HOLD = 0.25  # of the settling time that an open-ended run goes on for, to see that it stays settled
+LONGEST = 5000.0  # s, end of a run without a horizon that does not settle before
+MAX_NUMBERS = 40_000_000  # stored numbers; where a run has more, the step between stored points is longer
+MEASURED_TOGETHER = 250_000  # numbers of a stored run that are measured at once
+HOLD = 0.25  # of the settling time: how much longer a run without a horizon goes on, to see that it stays settled
 
-
-@dataclass(frozen=True, eq=False)
-class Trajectory(Recording):
-    """A run that can be looked at between its points."""
-
-    integrator: Integrator  # that made it, with its loop
-
-    @property
-    def loop(self) -> Loop:
-        """What was integrated."""
-        return self.integrator.loop
+Progress = Callable[[str, float], None]
 
 
 def simulate(
@@ -58,7 +44,7 @@ def simulate(
     tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
     wall_limit: float = 600.0,
     engine: str = "auto",
-    progress: Any = lambda _what, _fraction: None,
+    progress: Progress = lambda _what, _fraction: None,
 ) -> Trajectory:
     """A run of the fleet from its own start (or `start`) under gains and an excitation.
 
@@ -84,15 +70,16 @@ def simulate(
         raise InputError(
             "simulate: a vehicle of the fleet file has no start; add start = { position, heading } to each"
         )
-    loop, deadline = Loop.of(fleet, gains, excitation, bounded=bounded), Deadline(wall_limit)
+    loop, deadline = ClosedLoop.of(fleet, gains, excitation, bounded=bounded), Deadline(wall_limit)
     end = LONGEST if horizon is None else horizon
     step = _step(end, len(fleet))
-    integrator = make(named(engine, len(fleet)), loop, step=step, piece=min(max(PIECE, step), end))
+    engine = engine_name(engine, len(fleet))
+    integrator = make_integrator(engine, loop, step=step, piece=min(max(PIECE, step), end))
     times, states, last_outside = [np.zeros(1)], [State(*(row[None] for row in start))], 0.0
     for t, state in integrator.pieces(start):
         times.append(t)
         states.append(state)
-        outside = np.flatnonzero(_excess(loop, state, tolerance) > 1)
+        outside = np.flatnonzero(loop.excess(state, tolerance) > 1)
         last_outside = float(t[outside[-1]]) if outside.size else last_outside
         settled = horizon is None and t[-1] > (1 + HOLD) * last_outside + PIECE
         progress("simulating", min(1.0, float(t[-1]) / end))
@@ -121,78 +108,63 @@ def trajectory(integrator: Integrator, t: Floats, state: State) -> Trajectory:
     )
 
 
-def summarize(fleet: Fleet, run: Trajectory, tolerance: Tolerance = Tolerance()) -> dict[str, Any]:  # noqa: B008
-    """The content of summary.json: settling as an event, peaks between the stored points found."""
-    outcome = observe(run, tolerance)
-    settled = np.isfinite(outcome.settling_time)
-    return {
-        "settling_time_s": outcome.settling_time if settled else None,
-        "tolerance": {"position_m": tolerance.position, "heading_rad": tolerance.heading},
-        "horizon_s": float(run.t[-1]),
-        "peak_torque_ratio": outcome.torque_ratio.value,
-        "peak_torque": where(fleet, outcome.torque_ratio),
-        "final_position_error_m": outcome.final_position,
-        "final_heading_error_rad": outcome.final_heading,
-        "max_V_increase": outcome.energy_rise,
-        "peak_speed": outcome.speed.value,
-        "peak_turn_rate": outcome.turn_rate.value,
-        "violations": violations(run, outcome, fleet.names),
-    }
+def summarize(
+    fleet: Fleet,
+    run: Trajectory,
+    tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
+    *,
+    with_error: bool = False,
+) -> Summary:
+    """Settling time, peaks and broken promises of a run of `simulate`; `with_error` adds its integration error."""
+    integrator, outcome = run.made_by, measure(run, tolerance)
+    broken = violations(integrator.loop, outcome, run.start, integrator.tolerance, fleet.names)
+    peak = outcome.torque_ratio
+    return Summary(
+        settling_time=outcome.settling_time,
+        tolerance=tolerance,
+        horizon=float(run.t[-1]),
+        peak_torque_ratio=peak.value,
+        peak_torque=peak.named(fleet.names),
+        final_position_error=outcome.final_position,
+        final_heading_error=outcome.final_heading,
+        max_V_increase=outcome.energy_rise,
+        peak_speed=outcome.speed.value,
+        peak_turn_rate=outcome.turn_rate.value,
+        violations=broken,
+        integration_error=integration_error(run) if with_error else None,
+    )
 
 
-def violations(run: Trajectory, outcome: Outcome, names: Sequence[str]) -> list[str]:
-    """What the theorem promises of a run of the bounded scheme and this one breaks, one sentence each."""
-    start = State(*(column[0] for column in run.state))
-    return broken_promises(run.loop, outcome, start, run.integrator.tolerance, names)
-
-
-def where(fleet: Fleet, peak: Peak) -> dict[str, Any]:
-    """The time and the vehicle of a peak."""
-    return {"time_s": peak.time, "vehicle": fleet.names[peak.vehicle]}
-
-
-def observe(run: Trajectory, tolerance: Tolerance) -> Outcome:
-    """What a stored run says, refined between its points by its own integrator."""
-    observer = Observer(run.loop, run.integrator, tolerance, State(*(column[0] for column in run.state)))
-    rows = max(1, LOOK // run.loop.vehicles)
+def measure(run: Trajectory, tolerance: Tolerance) -> Outcome:
+    """Settling time and peaks of a run of `simulate`, refined between its points by its own integrator."""
+    integrator = run.made_by
+    monitor = Monitor(integrator.loop, integrator, tolerance, run.start)
+    rows = max(1, MEASURED_TOGETHER // integrator.loop.vehicles)
     for begin in range(1, len(run.t), rows):
         part = slice(begin, begin + rows)
-        observer.see(run.t[part], State(*(column[part] for column in run.state)))
-    return observer.outcome()
+        monitor.update(run.t[part], State(*(column[part] for column in run.state)))
+    return monitor.outcome()
 
 
-def integration_error(run: Trajectory) -> dict[str, float]:
+def integration_error(run: Trajectory) -> IntegrationError:
     """The largest difference to a run at LOOSER times the tolerance, over all stored points.
 
-    It is the error of that looser run, up to the smaller one of `run` itself: an estimate from above of the latter.
-    Where both are at the rounding of doubles they may agree by chance: no error below ROUNDING is reported.
+    This is the error of the looser run, up to the smaller error of `run` itself: an upper estimate of the latter.
+    Two runs at the rounding of doubles may agree by chance, so no error below ROUNDING is reported.
     """
-    looser = run.integrator.with_tolerance(LOOSER * run.integrator.tolerance)
+    integrator = run.made_by
+    looser = integrator.with_tolerance(LOOSER * integrator.tolerance)
     largest_x, largest_y, heading = (
         ROUNDING * float(np.abs(column).max()) for column in (run.state.x, run.state.y, run.state.theta)
     )
-    position, seen = float(np.hypot(largest_x, largest_y)), 1
-    for t, state in looser.pieces(State(*(column[0] for column in run.state))):
-        part = slice(seen, min(seen + len(t), len(run.t)))
+    position, compared = float(np.hypot(largest_x, largest_y)), 1
+    for t, state in looser.pieces(run.start):
+        part = slice(compared, min(compared + len(t), len(run.t)))
         count = part.stop - part.start
         x, y, theta = (getattr(run.state, name)[part] - getattr(state, name)[:count] for name in ("x", "y", "theta"))
         position = max(position, float(np.hypot(x, y).max(initial=0)))
         heading = max(heading, float(np.abs(theta).max(initial=0)))
-        seen = part.stop
-        if seen >= len(run.t):
+        compared = part.stop
+        if compared >= len(run.t):
             break
-    return {"integration_error_m": position, "integration_error_rad": heading}
-
-
-def settling_time(t: Floats, excess: Floats) -> float | None:
-    """The first stored time from which `excess` (error over tolerance) stays at or below 1; None where it does not."""
-    outside = np.flatnonzero(excess > 1)
-    if not outside.size:
-        return 0.0
-    return float(t[outside[-1] + 1]) if outside[-1] + 1 < len(t) else None
-
-
-def _excess(loop: Loop, state: State, tolerance: Tolerance) -> Floats:
-    """The larger of both errors over their tolerances, (K,)."""
-    position, heading = distances(loop, state)
-    return np.asarray(np.maximum(position / tolerance.position, heading / tolerance.heading).max(axis=1))
+    return IntegrationError(position, heading)

@@ -1,57 +1,119 @@
-"""What disturbances do to a validated design: the part of validation.json that speaks of real robots."""
+"""How a validated design behaves under disturbances: the part of validation.json about real robots."""
 
 from __future__ import annotations
 
+import statistics
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from ...models.equations import State
 from ...models.fleet import Fleet
-from ..simulation.disturbance import Disturbance, disturbed, in_words, largest_sample_time, parts, report
-from .validate import Question
+from ..simulation.disturbance import Disturbance, parts
+from ..simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
+from .spread import Spread
+from .start_result import StartResult
+from .validate import ValidationSpec
+
+Progress = Callable[[str, float], None]
+
+
+@dataclass(frozen=True, eq=False)
+class DisturbedRuns:
+    """All starts under one disturbance, beside their nominal settling times (s, None where not settled)."""
+
+    disturbance: Disturbance
+    outcomes: Outcomes
+    nominal: Sequence[float | None]
+
+    @property
+    def times(self) -> list[float | None]:
+        """The settling time of each start, s; None where it did not settle."""
+        return [float(time) if time < float("inf") else None for time in self.outcomes.settling_time]
+
+    @property
+    def delays(self) -> list[float]:
+        """How much later each start settles, s, where it settles in both runs."""
+        return [a - b for a, b in zip(self.times, self.nominal, strict=True) if a is not None and b is not None]
+
+    def to_json(self) -> dict[str, Any]:
+        """An entry of "disturbed" in validation.json."""
+        later = self.delays
+        return {
+            "disturbance": self.disturbance.to_json(),
+            "settled": sum(time is not None for time in self.times),
+            "settling_time_s": {**Spread.of(self.times)._asdict(), "each": self.times},
+            "later_than_nominal_s": {"median": statistics.median(later), "max": max(later)} if later else None,
+            "peak_torque_ratio": float(self.outcomes.torque_ratio.max()),
+            "final_position_error_m": float(self.outcomes.final_position.max()),
+            "final_heading_error_rad": float(self.outcomes.final_heading.max()),
+        }
+
+    def sentence(self) -> str:
+        """The same for a reader."""
+        later = self.delays
+        return (
+            f"with {self.disturbance.in_words()}: {sum(time is not None for time in self.times)} settle"
+            + (f", {statistics.median(later):+.3g} s later than without (median)" if later else "")
+            + f", peak torque {100 * self.outcomes.torque_ratio.max():.2f} %"
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Robustness:
+    """What was tried of a design beyond its nominal runs."""
+
+    disturbed: tuple[DisturbedRuns, ...] = ()
+    searched: bool = False  # whether the largest sample time was looked for
+    largest_sample_time: float | None = None  # s; None where no sample time lets all starts settle
+
+    def to_json(self) -> dict[str, Any]:
+        """Its entries of validation.json."""
+        document: dict[str, Any] = {}
+        if self.disturbed:
+            document["disturbed"] = [runs.to_json() for runs in self.disturbed]
+        if self.searched:
+            document["largest_sample_time_s"] = self.largest_sample_time
+        return document
+
+    def sentences(self) -> list[str]:
+        """The same for a reader."""
+        lines = [runs.sentence() for runs in self.disturbed]
+        if self.searched:
+            largest = self.largest_sample_time
+            lines.append(
+                "no sample time lets all starts settle"
+                if largest is None
+                else f"largest sample time at which all starts settle within torque limits: {largest:.3g} s"
+            )
+        return lines
+
+
+UNTRIED = Robustness()
 
 
 def robustness(
     fleet: Fleet,
-    question: Question,
+    spec: ValidationSpec,
     starts: Sequence[State],
-    results: Sequence[dict[str, Any]],
+    results: Sequence[StartResult],
+    *,
     disturbance: Disturbance | None,
     largest: bool,
-    progress: Callable[[str, float], None] = lambda _what, _fraction: None,
-) -> dict[str, Any]:
-    """Each disturbance against the nominal results of the same starts; the largest sample time if asked for."""
-    loop, horizon, tolerance = question.loop, question.horizon, question.tolerance
-    nominal = [result["settling_time_s"] for result in results]
-    found: dict[str, Any] = {}
-    if disturbance is not None:
-        asked = parts(disturbance)
-        found["disturbed"] = []
-        for number, one in enumerate(asked):
-            progress("disturbed runs", number / len(asked))
-            run = disturbed(fleet, loop, starts, one, horizon, tolerance)
-            found["disturbed"].append(report(one, run, nominal))
-    if largest:
-        progress("largest sample time", 0.0)
-        found["largest_sample_time_s"] = largest_sample_time(fleet, loop, starts, Disturbance(), horizon, tolerance)
-    return found
+    progress: Progress = lambda _what, _fraction: None,
+) -> Robustness:
+    """Each kind of disturbance against the nominal results of the same starts; the largest sample time on request."""
 
+    def sampled(real: Disturbance) -> SampledLoop:
+        return SampledLoop(fleet, spec.loop, real, spec.horizon, spec.tolerance)
 
-def sentences(document: dict[str, Any]) -> list[str]:
-    """The same for a reader."""
-    lines = []
-    for entry in document.get("disturbed", []):
-        later = entry["later_than_nominal_s"]
-        lines.append(
-            f"with {in_words(entry['disturbance'])}: {entry['settled']} settle"
-            + (f", {later['median']:+.3g} s against nominal (median)" if later else "")
-            + f", peak torque {100 * entry['peak_torque_ratio']:.2f} %"
-        )
-    if "largest_sample_time_s" in document:
-        found = document["largest_sample_time_s"]
-        lines.append(
-            "no sample time lets all starts settle"
-            if found is None
-            else f"largest sample time at which all starts settle within torque limits: {found:.3g} s"
-        )
-    return lines
+    nominal = [result.settling_time for result in results]
+    disturbed = []
+    tried = parts(disturbance) if disturbance is not None else []
+    for number, part in enumerate(tried):
+        progress("disturbed runs", number / len(tried))
+        disturbed.append(DisturbedRuns(part, sampled(part).outcomes(starts), nominal))
+    if not largest:
+        return Robustness(tuple(disturbed))
+    progress("largest sample time", 0.0)
+    return Robustness(tuple(disturbed), True, largest_sample_time(sampled(Disturbance()), starts))

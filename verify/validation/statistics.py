@@ -1,99 +1,144 @@
-"""What many starts say together: the content of validation.json."""
+"""The statistics of many starts: the content of validation.json."""
 
 from __future__ import annotations
 
 import statistics
 from collections.abc import Sequence
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
-from .validate import Question
+from .robustness import UNTRIED, Robustness
+from .spread import Spread
+from .start_result import Measurement, StartResult, peak_to_json
+from .validate import ValidationSpec
 
-SENSITIVE = 0.5  # m between two very accurate runs of a start: beyond, rounding has a part in its settling time
-SHOWN = 5  # failures and violations that are printed
-
-Results = Sequence[dict[str, Any]]
-
-
-def summarize(question: Question, results: Results, seed: int | None) -> dict[str, Any]:
-    """The content of validation.json, but for what the caller knows (versions)."""
-    times = [result["settling_time_s"] for result in results]
-    settled = sorted(time for time in times if time is not None)
-    whole = [result for result in results if not result.get("gave_up")]
-    worst = max(whole, key=lambda result: float(result["peak_torque_ratio"]["value"]), default=None)
-    return {
-        "starts": len(results),
-        "settled": len(settled),
-        "settling_time_s": {**spread(times), "each": times},
-        "ratio_to_physical_limit": _over_limit(results),
-        "peak_torque_ratio": worst and worst["peak_torque_ratio"]["value"],
-        "peak_torque": worst and {"start": worst["start"], **worst["peak_torque_ratio"]},
-        "peak_speed": max((result["peak_speed"]["value"] for result in whole), default=None),
-        "peak_turn_rate": max((result["peak_turn_rate"]["value"] for result in whole), default=None),
-        "max_V_increase": max((result["max_V_increase"] for result in whole), default=None),
-        "sensitive": [r["start"] for r in whole if (r["sensitivity_m"] or 0) > SENSITIVE],
-        "failures": [_failure(result) for result in results if result["failure"]],
-        "violations": [{"start": result["start"], "what": what} for result in results for what in result["violations"]],
-        "seed": seed,
-        "question": question.key,
-        **{key: question.content[key] for key in ("fleet_digest", "tolerance", "horizon_s", "starts_from")},
-        "integrator": question.content["integrator"],
-    }
+SENSITIVE = 0.5  # m between two very accurate runs of a start: beyond this, rounding decides its settling time
+PRINTED = 5  # failures and violations that are printed
 
 
-def spread(times: Sequence[float | None]) -> dict[str, float | None]:
-    """Median, ninth decile and maximum over all starts; a start that never settled counts as later than all others."""
-    ordered = sorted(time for time in times if time is not None)
-    missing = len(times) - len(ordered)
-    return {
-        "median": _rank(ordered, missing, 0.5),
-        "p90": _rank(ordered, missing, 0.9),
-        "max": None if missing or not ordered else ordered[-1],
-    }
+class Violation(NamedTuple):
+    """A broken promise of the theorem."""
+
+    start: int
+    what: str
 
 
-def _rank(ordered: Sequence[float], missing: int, share: float) -> float | None:
-    """The quantile with linear interpolation; None where it falls among those that never settled."""
-    place = share * (len(ordered) + missing - 1)
-    below, fraction = int(place), place - int(place)
-    above = below + (fraction > 0)
-    if above >= len(ordered):
-        return None
-    return ordered[below] + fraction * (ordered[above] - ordered[below])
+@dataclass(frozen=True)
+class ValidationResults:
+    """The results of all starts and their statistics."""
 
+    spec: ValidationSpec
+    results: Sequence[StartResult]
+    seed: int | None  # of the starts; None where a file holds them
+    robustness: Robustness = UNTRIED
 
-def _over_limit(results: Results) -> dict[str, float | None]:
-    """Settling time over the physical limit of the same start."""
-    ratios = [result["settling_time_s"] / result["physical_limit_s"] for result in results if result["settling_time_s"]]
-    return {"median": statistics.median(ratios) if ratios else None, "max": max(ratios, default=None)}
+    @property
+    def times(self) -> list[float | None]:
+        """The settling time of each start, s."""
+        return [result.settling_time for result in self.results]
 
+    @property
+    def settled(self) -> int:
+        """How many starts settle."""
+        return sum(time is not None for time in self.times)
 
-def _failure(result: dict[str, Any]) -> dict[str, Any]:
-    kept = ("start", "failure", "gave_up", "final_position_error_m", "final_heading_error_rad")
-    return {key: result[key] for key in kept if key in result}
+    @property
+    def failures(self) -> list[StartResult]:
+        """The starts that do not settle."""
+        return [result for result in self.results if result.failure]
 
+    @property
+    def violations(self) -> list[Violation]:
+        """All broken promises."""
+        return [Violation(result.start, what) for result in self.results for what in result.violations]
 
-def sentences(document: dict[str, Any]) -> list[str]:
-    """The same in some lines for a reader."""
-    times, tolerance = document["settling_time_s"], document["tolerance"]
-    said = {key: "later" if times[key] is None else f"{times[key]:.4g} s" for key in ("median", "p90", "max")}
-    lines = [
-        f"{document['settled']} of {document['starts']} starts settle within {tolerance['position_m']:g} m and "
-        f"{tolerance['heading_rad']:g} rad by {document['horizon_s']:g} s: median {said['median']}, "
-        f"ninth decile {said['p90']}, slowest {said['max']}"
-    ]
-    if (ratio := document["ratio_to_physical_limit"]["median"]) is not None:
-        lines.append(f"that is {ratio:.3g} times the physical limit (median over the starts that settle)")
-    if (peak := document["peak_torque"]) is not None:
-        lines.append(
-            f"peak torque {100 * peak['value']:.2f} % of the limit (vehicle {peak['vehicle']!r}, "
-            f"start {peak['start']}, {peak['time_s']:.3g} s), peak speed {document['peak_speed']:.3g} m/s"
+    @property
+    def sensitive(self) -> list[int]:
+        """The starts whose settling times rounding decides."""
+        return [number for number, measured in self._measured if (measured.sensitivity or 0) > SENSITIVE]
+
+    @property
+    def worst(self) -> tuple[int, Measurement] | None:
+        """The start with the largest torque ratio; None where no start was measured."""
+        return max(self._measured, key=lambda entry: entry[1].torque_ratio.value, default=None)
+
+    @property
+    def ratios(self) -> list[float]:
+        """Settling time divided by the physical limit, of each start that settles."""
+        return [m.settling_time / m.physical_limit for _, m in self._measured if m.settling_time]
+
+    @property
+    def _measured(self) -> list[tuple[int, Measurement]]:
+        return [(result.start, result.measurement) for result in self.results if result.measurement]
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of validation.json, except versions."""
+        worst, measured, ratios = self.worst, [measured for _, measured in self._measured], self.ratios
+        content = self.spec.content
+        return {
+            "starts": len(self.results),
+            "settled": self.settled,
+            "settling_time_s": {**Spread.of(self.times)._asdict(), "each": self.times},
+            "ratio_to_physical_limit": {
+                "median": statistics.median(ratios) if ratios else None,
+                "max": max(ratios, default=None),
+            },
+            "peak_torque_ratio": worst and worst[1].torque_ratio.value,
+            "peak_torque": worst and {"start": worst[0], **peak_to_json(worst[1].torque_ratio)},
+            "peak_speed": max((one.speed.value for one in measured), default=None),
+            "peak_turn_rate": max((one.turn_rate.value for one in measured), default=None),
+            "max_V_increase": max((one.max_V_increase for one in measured), default=None),
+            "sensitive": self.sensitive,
+            "failures": [_failure(result) for result in self.failures],
+            "violations": [violation._asdict() for violation in self.violations],
+            "seed": self.seed,
+            "question": self.spec.key,
+            **{key: content[key] for key in ("fleet_digest", "tolerance", "horizon_s", "starts_from")},
+            "integrator": content["integrator"],
+            **self.robustness.to_json(),
+        }
+
+    def sentences(self) -> list[str]:
+        """The statistics in some lines for a reader."""
+        lines = [self._settling()]
+        if ratios := self.ratios:
+            lines.append(
+                f"that is {statistics.median(ratios):.3g} times the physical limit (median over the starts that settle)"
+            )
+        if (worst := self.worst) is not None:
+            peak, speed = worst[1].torque_ratio, max(measured.speed.value for _, measured in self._measured)
+            lines.append(
+                f"peak torque {100 * peak.value:.2f} % of the limit (vehicle {peak.vehicle!r}, "
+                f"start {worst[0]}, {peak.time:.3g} s), peak speed {speed:.3g} m/s"
+            )
+        if self.sensitive:
+            lines.append(
+                f"{len(self.sensitive)} of {len(self.results)} starts are chaotic at first: rounding errors decide "
+                "their settling times, and only the statistics over all starts mean something"
+            )
+        lines += [f"FALSE: start {number}: {what}" for number, what in self.violations[:PRINTED]]
+        lines += [f"start {result.start}: {result.failure}" for result in self.failures[:PRINTED]]
+        hidden = len(self.failures) - PRINTED
+        if hidden > 0:
+            lines.append(f"and {hidden} more, in validation.json")
+        return [*lines, *self.robustness.sentences()]
+
+    def _settling(self) -> str:
+        spread, tolerance = Spread.of(self.times)._asdict(), self.spec.tolerance
+        median, p90, latest = ("later" if time is None else f"{time:.4g} s" for time in spread.values())
+        return (
+            f"{self.settled} of {len(self.results)} starts settle within {tolerance.position:g} m and "
+            f"{tolerance.heading:g} rad by {self.spec.horizon:g} s: median {median}, 90 % by {p90}, slowest {latest}"
         )
-    if document["sensitive"]:
-        lines.append(
-            f"{len(document['sensitive'])} of {document['starts']} starts are chaotic at first: "
-            "rounding errors choose their times, and only the figures over all starts mean something"
-        )
-    lines += [f"FALSE: start {entry['start']}: {entry['what']}" for entry in document["violations"][:SHOWN]]
-    lines += [f"start {entry['start']}: {entry['failure']}" for entry in document["failures"][:SHOWN]]
-    hidden = len(document["failures"]) - SHOWN
-    return [*lines, f"and {hidden} more, in validation.json"] if hidden > 0 else lines
+
+
+def _failure(result: StartResult) -> dict[str, Any]:
+    entry: dict[str, Any] = {"start": result.start, "failure": result.failure}
+    measured = result.measurement
+    if measured is None:
+        return {**entry, "gave_up": True}
+    return {
+        **entry,
+        "final_position_error_m": measured.final_position_error,
+        "final_heading_error_rad": measured.final_heading_error,
+    }

@@ -1,4 +1,4 @@
-"""A run as arrays: what trajectory.npz holds, written and read back."""
+"""A trajectory as arrays: what trajectory.npz holds, written and read back."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import zlib
 from dataclasses import dataclass
 from pathlib import Path
 from tokenize import TokenError
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from numpy.typing import NDArray
 from ...models.equations import State
 from ...models.errors import InputError
 from ...models.files.text import write_whole
+
+if TYPE_CHECKING:
+    from .integrators import Integrator
 
 Floats = NDArray[np.float64]
 _UNREADABLE = (  # an array's heading may claim and hold anything
@@ -25,8 +28,8 @@ _UNREADABLE = (  # an array's heading may claim and hold anything
 
 
 @dataclass(frozen=True, eq=False)
-class Recording:
-    """A run: times (K,), arrays (K, N) over the fleet."""
+class Trajectory:
+    """One run of a fleet: times (K,), arrays (K, N)."""
 
     t: Floats  # s
     state: State
@@ -34,6 +37,19 @@ class Recording:
     tau_right: Floats  # N m
     V: Floats  # (K,), (17)
     W: Floats  # (K,), (19)
+    integrator: Integrator | None = None  # that made it; None for a disturbed run and for one read from a file
+
+    @property
+    def start(self) -> State:
+        """The first state, each (N,)."""
+        return State(*(column[0] for column in self.state))
+
+    @property
+    def made_by(self) -> Integrator:
+        """The integrator. Raises ValueError where none is known: such a run cannot be refined between its points."""
+        if self.integrator is None:
+            raise ValueError("this trajectory was read from a file or disturbed; only one of simulate can be refined")
+        return self.integrator
 
     def write(self, path: Path) -> None:
         """trajectory.npz, written whole or not at all."""
@@ -42,7 +58,7 @@ class Recording:
         write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
 
 
-def read_recording(path: Path) -> Recording:
+def read_trajectory(path: Path) -> Trajectory:
     """The run in a trajectory.npz. Raises InputError where the file is not one."""
     names = ("t", *State._fields, "tau_left", "tau_right", "V", "W")
     try:
@@ -64,4 +80,4 @@ def read_recording(path: Path) -> Recording:
     if not consistent:
         raise InputError(f"{path}: its arrays do not have one row per time; simulate again")
     state = State(*fleet_wide[:5])
-    return Recording(t, state, arrays["tau_left"], arrays["tau_right"], arrays["V"], arrays["W"])
+    return Trajectory(t, state, arrays["tau_left"], arrays["tau_right"], arrays["V"], arrays["W"])

@@ -17,29 +17,30 @@ from ...models.excitation import Excitation
 from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.numbers import low
+from ...models.tolerance import Tolerance
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Loop:
-    """What is integrated and measured: plant, gains and excitation as floats, and the wheels' limits."""
+class ClosedLoop:
+    """Plant, gains and excitation as floats, with the torque limits and the data of the conditions."""
 
     plant: Plant
     gains: Gains
     excitation: Excitation
     torque_left: Floats  # (N,), N m, limit
     torque_right: Floats  # (N,), N m, limit
-    limits: ConditionData  # of the conditions, floats, (N,): D, psi_bar, speed limits that are asked for
+    data: ConditionData  # floats, (N,): D, psi_bar, speed and turn-rate limits
     bounded: bool = True  # False: the comparison scheme of Section 4, tanh(s) -> s
 
     @classmethod
-    def of(cls, fleet: Fleet, gains: Gains, excitation: Excitation, *, bounded: bool = True) -> Loop:
-        """The loop of a fleet; the smaller torque limit where only an interval is known."""
+    def of(cls, fleet: Fleet, gains: Gains, excitation: Excitation, *, bounded: bool = True) -> ClosedLoop:
+        """The closed loop of a fleet. A torque limit that is an interval counts with its smaller value."""
         left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
         right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
-        limits = fleet.condition_data(excitation).map(floats)
-        return cls(fleet.plant(), gains.map(floats), excitation, left, right, limits, bounded)
+        data = fleet.condition_data(excitation).map(floats)
+        return cls(fleet.plant(), gains.map(floats), excitation, left, right, data, bounded)
 
     @property
     def vehicles(self) -> int:
@@ -64,7 +65,7 @@ class Loop:
         return control(self.ops, self.plant, self.gains, self.psi(t), state)
 
     def torque_ratios(self, t: Any, state: State) -> Floats:
-        """Left, then right torque over its limit, signed, (K, 2 N)."""
+        """Left, then right torque divided by its limit, signed, (K, 2 N)."""
         left, right = self.torques(t, state)
         return np.concatenate([left / self.torque_left, right / self.torque_right], axis=-1)
 
@@ -77,14 +78,16 @@ class Loop:
         return np.asarray(energy.rotational(self.ops, self.plant, self.gains, state))
 
     def certified_speeds(self, start: State) -> tuple[Floats, Floats]:
-        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) of every run from a start, (N,); inf where none holds."""
-        numbers, gains = float_numbers(), self.gains
-        pull = pulling_bound(numbers, self.limits, gains) / gains.d_v
-        turn = turning_bound(numbers, self.limits, gains) / gains.d_omega
-        return _certified(pull, start.v, self.bounded), _certified(turn, start.omega, self.bounded)
+        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) for all runs from a start, (N,); inf where none holds."""
+        numbers, gains, scale = float_numbers(), self.gains, self.gains.saturation
+        if not self.bounded:
+            return np.full(self.vehicles, np.inf), np.full(self.vehicles, np.inf)
+        pull = pulling_bound(numbers, self.data, gains) / gains.d_v
+        turn = turning_bound(numbers, self.data, gains) / gains.d_omega
+        return _certified(pull, scale.speed, start.v), _certified(turn, scale.turn_rate, start.omega)
 
     def offsets(self, state: State) -> State:
-        """The state as distances from the formation: x, y (m) and theta (rad) from the vehicle's own place."""
+        """The state relative to the formation: x, y (m) and theta (rad) from the vehicle's place in it."""
         plant = self.plant
         return State(
             state.x - plant.offset_x - plant.leader_x,
@@ -94,8 +97,18 @@ class Loop:
             state.omega,
         )
 
+    def distances(self, state: State) -> tuple[Floats, Floats]:
+        """Distance from the formation (m) and |theta - theta_l| (rad, on the real line), (..., N)."""
+        offset = self.offsets(state)
+        return np.hypot(offset.x, offset.y), np.abs(offset.theta)
 
-def _certified(share: Floats, start: Floats, bounded: bool) -> Floats:
-    """max(|start|, atanh(share)) where share < 1, else inf; the unbounded scheme has no such bound."""
-    holds = (share < 1) & bounded
-    return np.where(holds, np.maximum(np.abs(start), np.arctanh(np.where(holds, share, 0.0))), np.inf)
+    def excess(self, state: State, tolerance: Tolerance) -> Floats:
+        """The largest error of the fleet divided by its tolerance, (...,): settled means that it stays at most 1."""
+        position, heading = self.distances(state)
+        return np.asarray(np.maximum(position / tolerance.position, heading / tolerance.heading).max(axis=-1))
+
+
+def _certified(share: Floats, scale: Floats, start: Floats) -> Floats:
+    """max(|start|, scale atanh(share)) where share < 1, else inf."""
+    holds = share < 1
+    return np.where(holds, np.maximum(np.abs(start), scale * np.arctanh(np.where(holds, share, 0.0))), np.inf)

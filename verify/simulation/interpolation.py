@@ -1,4 +1,4 @@
-"""Cubic Hermite interpolation between two points of a grid: where a quantity peaks, and where it passes 1 for good."""
+"""Cubic Hermite interpolation between grid points: the peak of a quantity, and when it falls below 1 for good."""
 
 from __future__ import annotations
 
@@ -6,20 +6,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from .loop import Floats
+from .closed_loop import Floats
 
-FINE = 64  # points of one interval on which a crossing is looked for
+FINE = 64  # points of one interval at which a crossing is looked for
 
 
-class Top(NamedTuple):
-    """The largest |q| inside every interval of a grid, each (K-1, Q)."""
+class Peaks(NamedTuple):
+    """The largest |q| in every interval of a grid, each (K-1, Q)."""
 
     size: Floats
     place: Floats  # in [0, 1], from the left to the right end
 
 
-def tops(values: Floats, slopes: Floats, step: float) -> Top:
-    """The largest |q| of every interval, ends included, from q (K, Q) and its time derivative (1/s)."""
+def interval_peaks(values: Floats, slopes: Floats, step: float) -> Peaks:
+    """The largest |q| in every interval, ends included, from q (K, Q) and its time derivative (1/s)."""
     a, b, c, d = _cubic(values, slopes, step)
     # q' = b + 2 c s + 3 d s^2; the roots in the form that does not cancel.
     root = np.sqrt(np.maximum(c * c - 3 * b * d, 0))
@@ -29,12 +29,12 @@ def tops(values: Floats, slopes: Floats, step: float) -> Top:
     places = np.where((places >= 0) & (places <= 1), places, 0.0)  # also where there is no root
     sizes = np.abs(a + places * (b + places * (c + places * d)))
     best = np.argmax(sizes, axis=0)[None]
-    return Top(np.take_along_axis(sizes, best, 0)[0], np.take_along_axis(places, best, 0)[0])
+    return Peaks(np.take_along_axis(sizes, best, 0)[0], np.take_along_axis(places, best, 0)[0])
 
 
 def last_above_one(values: Floats, slopes: Floats, step: float) -> float | None:
-    """The last moment, s from the first point, at which one of q (K, Q) is above 1; None where none is."""
-    outside = np.flatnonzero(tops(values, slopes, step).size.max(axis=1) > 1)
+    """The last time, s from the first point, at which one of q (K, Q) is above 1; None where none ever is."""
+    outside = np.flatnonzero(interval_peaks(values, slopes, step).size.max(axis=1) > 1)
     if not outside.size:
         return None
     k = int(outside[-1])

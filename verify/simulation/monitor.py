@@ -1,47 +1,60 @@
-"""Watches a run on its grid and finds what lies between the points: when it settles, and its peaks.
+"""Measures a run point by point: when it settles, and its peaks, also between the points.
 
-The grid only says where to look. There the run is integrated once more on a fifty times finer grid.
+The grid tells in which intervals to look. These are integrated again on a fifty times finer grid.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from ...models.equations import State
 from ...models.tolerance import Tolerance
-from .events import last_above_one, tops
+from .closed_loop import ClosedLoop, Floats
 from .integrators import Integrator
-from .loop import Floats, Loop
+from .interpolation import interval_peaks, last_above_one
 
-GRAZING = 0.995  # of 1: an interval whose interpolated squared excess passes it is looked at closely
-TIME_EPSILON = 1e-6  # s, of the difference along the solution
+GRAZING = 0.995  # an interval is integrated again where its interpolated squared excess passes this
+TIME_EPSILON = 1e-6  # s, step of the finite difference along the solution
 
 Curve = tuple[Floats, Floats]  # a quantity (K, Q) and its time derivative (1/s)
 Place = tuple[float, State]  # a time, s, and the state there, each (N,)
 
 
-@dataclass(frozen=True)
-class Peak:
-    """The largest value that a quantity takes over a run and the fleet."""
+class NamedPeak(NamedTuple):
+    """A peak with the name of its vehicle."""
 
     value: float
     time: float  # s
-    vehicle: int
+    vehicle: str
+
+
+@dataclass(frozen=True)
+class Peak:
+    """The largest value of a quantity over a run and the fleet."""
+
+    value: float
+    time: float  # s
+    vehicle: int  # its place in the fleet
+
+    def named(self, names: Sequence[str]) -> NamedPeak:
+        """The same peak, with the name of its vehicle."""
+        return NamedPeak(self.value, self.time, names[self.vehicle])
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What one run says."""
+    """What was measured of one run."""
 
     settling_time: float  # s; inf where not settled at the end
     torque_ratio: Peak  # |torque| over its limit
     speed: Peak  # |v|, m/s
     turn_rate: Peak  # |omega|, rad/s
-    certified: Peak  # |v| and |omega| over the bounds that (f) of the theorem certifies; 0 where it certifies none
+    certified: Peak  # |v| and |omega| divided by the bounds of Lemma L18; 0 where there is no bound
     final_position: float  # m, the largest distance from the formation at the end
     final_heading: float  # rad
     energy_rise: float  # the largest rise of V, (17), between two points of the grid
@@ -49,7 +62,7 @@ class Outcome:
 
 @dataclass
 class _Watch:
-    """One quantity and the most promising interval so far."""
+    """One quantity and the interval with its largest interpolated peak so far."""
 
     curve: Callable[[Floats, State, State], Curve]  # times, states, rates
     best: float = -1.0
@@ -57,16 +70,19 @@ class _Watch:
 
 
 @dataclass
-class Observer:
-    """Sees a run point after point; `outcome` then refines what it has found."""
+class Monitor:
+    """Takes in the points of a run; `outcome` then refines the intervals that matter.
 
-    loop: Loop
+    `integrator` made the run and integrates an interval again on a finer grid; its step is the grid's.
+    """
+
+    loop: ClosedLoop
     integrator: Integrator
     tolerance: Tolerance
     start: State
     _outside: list[Place] = field(default_factory=list)  # intervals that may hold the last moment outside
     _energy_rise: float = 0.0
-    _seen_closely: dict[float, tuple[Floats, State, State, float]] = field(default_factory=dict)
+    _refined_steps: dict[float, tuple[Floats, State, State, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         """Begin at the start, at t = 0."""
@@ -79,8 +95,8 @@ class Observer:
         }
         self._bounds = np.concatenate(self.loop.certified_speeds(self.start))
 
-    def see(self, times: Floats, states: State) -> None:
-        """Look at the points (K,), (K, N) that follow the last one seen."""
+    def update(self, times: Floats, states: State) -> None:
+        """Take in the points (K,), (K, N) that follow the last ones."""
         if not len(times):
             return
         t = np.concatenate([self._time, times])
@@ -93,8 +109,8 @@ class Observer:
         self._time, self._state = t[-1:], _rows(state, slice(-1, None))
 
     def outcome(self) -> Outcome:
-        """Refine, and say what happened."""
-        position, heading = distances(self.loop, self._state)
+        """Refine, and return what was measured so far."""
+        position, heading = self.loop.distances(self._state)
         return Outcome(
             settling_time=self._settling(),
             **{name: self._refined(watch) for name, watch in self._watches.items()},
@@ -106,7 +122,7 @@ class Observer:
     # -- peaks ---------------------------------------------------------------------------------------------------------
 
     def _torque(self, t: Floats, state: State, rate: State) -> Curve:
-        """Torque over limit; its derivative along the solution by a difference."""
+        """Torque divided by its limit; its derivative along the solution by a finite difference."""
         now = self.loop.torque_ratios(t, state)
         ahead = self.loop.torque_ratios(t + TIME_EPSILON, _moved(state, rate, TIME_EPSILON))
         return now, (ahead - now) / TIME_EPSILON
@@ -116,40 +132,44 @@ class Observer:
         return speeds[0] / self._bounds, speeds[1] / self._bounds
 
     def _look(self, watch: _Watch, t: Floats, state: State, rate: State) -> None:
-        sizes = tops(*watch.curve(t, state, rate), self.integrator.step).size.max(axis=1)
+        sizes = interval_peaks(*watch.curve(t, state, rate), self.integrator.step).size.max(axis=1)
         k = int(np.argmax(sizes))
         if sizes[k] > watch.best:
             watch.best, watch.place = float(sizes[k]), (float(t[k]), _row(state, k))
 
     def _refined(self, watch: _Watch) -> Peak:
-        """The peak in the most promising interval or in the first one, whose transients the grid may not resolve."""
+        """The peak in the watched interval or in the first one, whose transients the grid may not resolve."""
         places = [(0.0, self.start)] + ([watch.place] if watch.place and watch.place[0] > 0 else [])
         return max((self._peak(watch, *place) for place in places), key=lambda peak: peak.value)
 
     def _peak(self, watch: _Watch, begin: float, state: State) -> Peak:
         t, states, rate, step = self._finer(begin, state)
-        top = tops(*watch.curve(t, states, rate), step)
+        top = interval_peaks(*watch.curve(t, states, rate), step)
         k, column = np.unravel_index(int(np.argmax(top.size)), top.size.shape)
         time = float(t[k] + step * top.place[k, column])
         return Peak(float(top.size[k, column]), time, int(column) % self.loop.vehicles)
 
     def _finer(self, begin: float, state: State) -> tuple[Floats, State, State, float]:
         """Times, states and rates on the finer grid of the step that begins at `begin`, and the finer step."""
-        if begin not in self._seen_closely:
+        if begin not in self._refined_steps:
             times, states = self.integrator.between(begin, state)
             t = np.concatenate([[begin], times])
             whole = State(*(np.concatenate([column[None], rows]) for column, rows in zip(state, states, strict=True)))
-            self._seen_closely[begin] = t, whole, self.loop.rates(t, whole), float(t[1] - t[0])
-        return self._seen_closely[begin]
+            self._refined_steps[begin] = t, whole, self.loop.rates(t, whole), float(t[1] - t[0])
+        return self._refined_steps[begin]
 
     # -- settling ------------------------------------------------------------------------------------------------------
 
     def _excess(self, state: State, rate: State) -> Curve:
-        """Squared errors over squared tolerances, position then heading, (K, 2 N): settled means all at most 1."""
-        away, wide = self.loop.offsets(state), self.tolerance
-        position = (away.x**2 + away.y**2) / wide.position**2
-        position_rate = 2 * (away.x * rate.x + away.y * rate.y) / wide.position**2
-        heading, heading_rate = (away.theta / wide.heading) ** 2, 2 * away.theta * rate.theta / wide.heading**2
+        """Squared errors over squared tolerances and their rates, position then heading, (K, 2 N).
+
+        Squares are smooth, so that cubic interpolation works where an error passes 0.
+        """
+        offset, tolerance = self.loop.offsets(state), self.tolerance
+        position = (offset.x**2 + offset.y**2) / tolerance.position**2
+        position_rate = 2 * (offset.x * rate.x + offset.y * rate.y) / tolerance.position**2
+        heading = offset.theta**2 / tolerance.heading**2
+        heading_rate = 2 * offset.theta * rate.theta / tolerance.heading**2
         return np.concatenate([position, heading], axis=1), np.concatenate([position_rate, heading_rate], axis=1)
 
     def _look_outside(self, t: Floats, state: State, rate: State) -> None:
@@ -158,7 +178,7 @@ class Observer:
         first = int(begins_outside[-1]) if begins_outside.size else 0
         if begins_outside.size:
             self._outside.clear()
-        grazing = tops(values[first:], slopes[first:], self.integrator.step).size.max(axis=1) > GRAZING
+        grazing = interval_peaks(values[first:], slopes[first:], self.integrator.step).size.max(axis=1) > GRAZING
         self._outside += [(float(t[k]), _row(state, int(k))) for k in first + np.flatnonzero(grazing)]
 
     def _settling(self) -> float:
@@ -171,12 +191,6 @@ class Observer:
             if last is not None:
                 return begin + last
         return 0.0
-
-
-def distances(loop: Loop, state: State) -> tuple[Floats, Floats]:
-    """Distance from the formation (m) and |theta - theta_l| (rad, on the real line) of every vehicle, (K, N)."""
-    away = loop.offsets(state)
-    return np.hypot(away.x, away.y), np.abs(away.theta)
 
 
 def _moved(state: State, rate: State, by: float) -> State:

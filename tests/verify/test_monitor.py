@@ -7,24 +7,24 @@ import pytest
 from gaincert.models.fleet import Fleet
 from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
-from gaincert.verify.simulation.events import last_above_one, tops
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Cvodes, Dop853
-from gaincert.verify.simulation.loop import Loop
-from gaincert.verify.simulation.observer import Observer, Outcome, distances
-from gaincert.verify.simulation.simulate import integration_error, observe, simulate
+from gaincert.verify.simulation.interpolation import interval_peaks, last_above_one
+from gaincert.verify.simulation.monitor import Monitor, Outcome
+from gaincert.verify.simulation.simulate import integration_error, measure, simulate
 
 
-def test_tops_of_cubics_are_exact(random) -> None:
+def test_peaks_of_cubics_are_exact(random) -> None:
     coefficients = random.normal(size=(4, 50))
     t = np.array([0.0, 0.7])
     values = np.stack([np.polyval(coefficients, x) for x in t])
     slopes = np.stack([np.polyval(coefficients[:3] * np.array([[3], [2], [1]]), x) for x in t])
     fine = np.abs(np.stack([np.polyval(coefficients, x) for x in np.linspace(0, 0.7, 20001)])).max(axis=0)
-    assert tops(values, slopes, 0.7).size[0] == pytest.approx(fine, rel=1e-7)
+    assert interval_peaks(values, slopes, 0.7).size[0] == pytest.approx(fine, rel=1e-7)
 
 
-def test_a_constant_and_a_parabola_have_their_tops() -> None:
-    top = tops(np.array([[2.0, 0.0], [2.0, 0.0]]), np.array([[0.0, 4.0], [0.0, -4.0]]), 1.0)
+def test_a_constant_and_a_parabola_have_their_interval_peaks() -> None:
+    top = interval_peaks(np.array([[2.0, 0.0], [2.0, 0.0]]), np.array([[0.0, 4.0], [0.0, -4.0]]), 1.0)
     assert top.size[0].tolist() == [2.0, 1.0]
     assert top.place[0, 1] == 0.5
 
@@ -38,17 +38,27 @@ def test_the_last_moment_above_one_is_found_between_points() -> None:
     assert last_above_one(np.array([[0.9], [0.9]]), np.array([[1.0], [-1.0]]), 1.0) == pytest.approx(0.887, abs=1e-3)
 
 
-def run(loop: Loop, start, name: str, step: float, horizon: float, tolerance: Tolerance) -> tuple[Outcome, list]:
+@pytest.mark.parametrize(
+    ("excess", "expected"),
+    [([2, 2, 0.5, 0.5], 1.5), ([0.5, 0.5, 0.5, 0.5], None), ([2, 0.5, 0.5, 2], 3.0), ([0.5, 2, 1.0, 0.9], 2.0)],
+)
+def test_settled_means_to_the_end(excess: list[float], expected: float | None) -> None:
+    values = np.array(excess)[:, None]
+    last = last_above_one(values, np.zeros_like(values), 1.0)
+    assert last == (expected if expected is None else pytest.approx(expected, abs=0.3))
+
+
+def run(loop: ClosedLoop, start, name: str, step: float, horizon: float, tolerance: Tolerance) -> tuple[Outcome, list]:
     method = {"cvodes": Cvodes, "dop853": Dop853}[name](loop, step=step, piece=horizon, tolerance=1e-10)
-    observer = Observer(loop, method, tolerance, start)
+    monitor = Monitor(loop, method, tolerance, start)
     t, states = next(method.pieces(start))
-    observer.see(t, states)
-    return observer.outcome(), [t, states]
+    monitor.update(t, states)
+    return monitor.outcome(), [t, states]
 
 
 @pytest.mark.parametrize("number", range(3))
 def test_peaks_and_settling_do_not_depend_on_the_grid(paper: Fleet, gains_of_paper, number: int) -> None:
-    loop = Loop.of(paper, gains_of_paper, paper.psi)
+    loop = ClosedLoop.of(paper, gains_of_paper, paper.psi)
     start = random_starts(paper, number + 1, 5, 30.0)[number]
     wide = Tolerance(25.0, 6.0)
     coarse, _ = run(loop, start, "cvodes", 0.25, 40.0, wide)
@@ -60,7 +70,7 @@ def test_peaks_and_settling_do_not_depend_on_the_grid(paper: Fleet, gains_of_pap
     assert [fine.speed.value, fine.turn_rate.value] == pytest.approx(grid[:2], rel=1e-6)
     assert coarse.torque_ratio.value >= grid[2] * (1 - 1e-9)
     assert coarse.settling_time == pytest.approx(fine.settling_time, abs=1e-6)
-    position, heading = distances(loop, states)
+    position, heading = loop.distances(states)
     outside = np.flatnonzero(((position > 25) | (heading > 6)).any(axis=1))
     expected = math.inf if outside.size and outside[-1] == len(t) - 1 else t[outside[-1]] if outside.size else 0.0
     assert coarse.settling_time == expected or abs(coarse.settling_time - expected) < 0.0021
@@ -68,10 +78,10 @@ def test_peaks_and_settling_do_not_depend_on_the_grid(paper: Fleet, gains_of_pap
 
 def test_an_excursion_between_two_points_counts(paper: Fleet, gains_of_paper) -> None:
     """A tolerance just below a local maximum of the error that no point of the grid touches."""
-    loop = Loop.of(paper, gains_of_paper, paper.psi)
+    loop = ClosedLoop.of(paper, gains_of_paper, paper.psi)
     start = random_starts(paper, 1, 5, 30.0)[0]
     _, (t, states) = run(loop, start, "cvodes", 0.002, 40.0, Tolerance())
-    error = distances(loop, states)[1].max(axis=1)
+    error = loop.distances(states)[1].max(axis=1)
     top = int(np.argmax(error))
     on_grid = error[249::250]  # every half second
     limit = float((on_grid.max() + error[top]) / 2)
@@ -82,7 +92,7 @@ def test_an_excursion_between_two_points_counts(paper: Fleet, gains_of_paper) ->
 
 
 def test_both_integrators_agree(paper: Fleet, gains_of_paper) -> None:
-    loop = Loop.of(paper, gains_of_paper, paper.psi)
+    loop = ClosedLoop.of(paper, gains_of_paper, paper.psi)
     start = paper.start()
     cvodes, (_, one) = run(loop, start, "cvodes", 0.2, 20.0, Tolerance(40.0, 4.0))
     dop853, (_, other) = run(loop, start, "dop853", 0.2, 20.0, Tolerance(40.0, 4.0))
@@ -95,8 +105,8 @@ def test_both_integrators_agree(paper: Fleet, gains_of_paper) -> None:
 def test_the_integration_error_is_known(paper: Fleet, gains_of_paper) -> None:
     """The reported error is above the true one, against DOP853 at its limit, and not by orders of magnitude."""
     shown = simulate(paper, gains_of_paper, paper.psi, horizon=30)
-    reported = integration_error(shown)["integration_error_m"]
-    reference = Dop853(shown.loop, step=30.0, piece=30.0, tolerance=2.5e-14)
+    reported = integration_error(shown).position
+    reference = Dop853(shown.integrator.loop, step=30.0, piece=30.0, tolerance=2.5e-14)
     _, end = next(reference.pieces(paper.start()))
     true = np.hypot(shown.state.x[-1] - end.x[0], shown.state.y[-1] - end.y[0]).max()
     assert true < reported < 1e-6
@@ -104,13 +114,13 @@ def test_the_integration_error_is_known(paper: Fleet, gains_of_paper) -> None:
 
 def test_a_run_that_is_looked_at_in_parts_says_the_same(paper: Fleet, gains_of_paper, monkeypatch) -> None:
     shown = simulate(paper, gains_of_paper, paper.psi, horizon=30)
-    whole = observe(shown, Tolerance(30.0, 4.0))
-    monkeypatch.setattr("gaincert.verify.simulation.simulate.LOOK", 6 * 37)
-    assert observe(shown, Tolerance(30.0, 4.0)) == whole
+    whole = measure(shown, Tolerance(30.0, 4.0))
+    monkeypatch.setattr("gaincert.verify.simulation.simulate.MEASURED_TOGETHER", 6 * 37)
+    assert measure(shown, Tolerance(30.0, 4.0)) == whole
 
 
 def test_certified_speeds_bound_what_is_observed(paper: Fleet, gains_of_paper) -> None:
-    loop = Loop.of(paper, gains_of_paper, paper.psi)
+    loop = ClosedLoop.of(paper, gains_of_paper, paper.psi)
     for start in random_starts(paper, 3, 1, 30.0):
         outcome, _ = run(loop, start, "cvodes", 0.1, 20.0, Tolerance())
         assert outcome.certified.value < 1

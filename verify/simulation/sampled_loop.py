@@ -1,0 +1,240 @@
+"""The sampled closed loop with disturbances.
+
+The controller runs at sample times, on measured states, and its torques are held in between; the vehicles move by
+(1)-(2) with their true parameters and friction at the wheels. All starts are integrated together, (B, N).
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...models.algebra.ops import numpy_ops
+from ...models.equations import Plant, State, control, motion
+from ...models.errors import UndecidedError
+from ...models.fleet import Fleet
+from ...models.graph import Graph
+from ...models.tolerance import Tolerance
+from .closed_loop import ClosedLoop, Floats
+from .disturbance import Disturbance
+from .summary import Summary
+from .trajectory import Trajectory
+
+SUBSTEP = 0.01  # s, of the Runge-Kutta method of order 4 between samples
+STICTION_SPEED = 0.01  # rad/s of a wheel, over which Coulomb friction changes its sign
+SHORTEST, LONGEST, HALVINGS = 2e-3, 2.0, 8  # s, s: the range of the search for the largest sample time
+STORED = 0.1  # s between the points of a stored run
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """A closed loop, the disturbance it runs under, how long it runs, and what counts as settled."""
+
+    fleet: Fleet
+    loop: ClosedLoop
+    disturbance: Disturbance
+    horizon: float  # s
+    tolerance: Tolerance
+
+    def outcomes(self, starts: Sequence[State]) -> Outcomes:
+        """All starts together. Raises UndecidedError where a state is no longer finite."""
+        together = State(*map(np.stack, zip(*starts, strict=True)))
+        return self._outcomes(self._samples(together))
+
+    def run(self, start: State, nominal: Summary) -> tuple[Summary, Trajectory]:
+        """One start: the summary, beside that of the nominal run, and a trajectory.
+
+        The trajectory has a point each STORED s or sample time; its torques are the commanded ones.
+        """
+        every, stored = max(1, round(STORED / self.disturbance.sample_time)), []
+
+        def storing() -> Iterator[_Sample]:
+            for number, sample in enumerate(self._samples(State(*(column[None] for column in start)))):
+                if number % every == 0:
+                    stored.append(sample)
+                yield sample
+
+        outcomes = self._outcomes(storing())
+        state = State(*map(np.concatenate, zip(*(sample.before for sample in stored), strict=True)))
+        t, left, right = zip(*((sample.t, sample.tau_left, sample.tau_right) for sample in stored), strict=True)
+        energies = self.loop.translational_energy(state), self.loop.rotational_energy(state)
+        trajectory = Trajectory(np.array(t), state, np.concatenate(left), np.concatenate(right), *energies)
+        return self._summary(outcomes, trajectory, nominal), trajectory
+
+    def with_sample_time(self, sample_time: float) -> SampledLoop:
+        """The same loop at another sample time, s."""
+        return replace(self, disturbance=replace(self.disturbance, sample_time=sample_time))
+
+    def _samples(self, state: State) -> Iterator[_Sample]:
+        """The motion from a state (..., N), sample by sample. Raises UndecidedError where it is not finite."""
+        loop, disturbance = self.loop, self.disturbance
+        random = np.random.default_rng(disturbance.seed)
+        true = _true_plant(loop.plant, disturbance, random)
+        zero = np.zeros_like(state.x)
+        waiting = deque([(zero, zero)] * round(disturbance.delay / disturbance.sample_time))
+        for number in range(math.ceil(self.horizon / disturbance.sample_time)):
+            t = number * disturbance.sample_time
+            lost = disturbance.lost_link is not None and t >= disturbance.lost_at
+            plant = _with_link_lost(self.fleet, loop.plant, disturbance) if lost else loop.plant
+            measured = _measured(state, disturbance, random)
+            torques = control(loop.ops, plant, loop.gains, loop.psi(t), measured)
+            waiting.append(torques)
+            before, state = state, _step(true, state, *waiting.popleft(), disturbance)
+            yield _Sample(t, before, state, *torques)
+        if not all(np.isfinite(column).all() for column in state):
+            raise UndecidedError(
+                f"the disturbed motion is no longer finite by {self.horizon:g} s; shorten the sample time"
+            )
+
+    def _outcomes(self, samples: Iterator[_Sample]) -> Outcomes:
+        last: Any = 0.0
+        peak: Any = 0.0
+        loop = self.loop
+        for sample in samples:
+            left, right = np.abs(sample.tau_left) / loop.torque_left, np.abs(sample.tau_right) / loop.torque_right
+            peak = np.maximum(peak, np.maximum(left, right).max(axis=-1))
+            excess = loop.excess(sample.after, self.tolerance)
+            last = np.where(excess > 1, sample.t + self.disturbance.sample_time, last)
+        position, heading = loop.distances(sample.after)
+        return Outcomes(np.where(excess > 1, np.inf, last), peak, position.max(axis=-1), heading.max(axis=-1))
+
+    def _summary(self, outcomes: Outcomes, run: Trajectory, nominal: Summary) -> Summary:
+        """A broken promise of the nominal run is not hidden by the disturbed one."""
+        peak = float(outcomes.torque_ratio[0])
+        broken = [f"a commanded wheel torque is {peak:.6g} of its limit"] if peak > 1 else []
+        return Summary(
+            settling_time=float(outcomes.settling_time[0]),
+            tolerance=self.tolerance,
+            horizon=nominal.horizon,
+            peak_torque_ratio=peak,
+            final_position_error=float(outcomes.final_position[0]),
+            final_heading_error=float(outcomes.final_heading[0]),
+            max_V_increase=float(np.diff(run.V).max(initial=0)),
+            peak_speed=float(np.abs(run.state.v).max()),
+            peak_turn_rate=float(np.abs(run.state.omega).max()),
+            violations=(*nominal.violations, *broken),
+            disturbance=self.disturbance,
+            nominal=nominal,
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Outcomes:
+    """One entry per start, (B,)."""
+
+    settling_time: Floats  # s, inf where not settled at the end
+    torque_ratio: Floats  # the largest commanded |torque| divided by its limit; torques are held, so this is exact
+    final_position: Floats  # m
+    final_heading: Floats  # rad
+
+    @property
+    def acceptable(self) -> bool:
+        """Whether all starts settle with all torques within their limits."""
+        return bool(np.isfinite(self.settling_time).all() and (self.torque_ratio <= 1).all())
+
+
+@dataclass(frozen=True, eq=False)
+class _Sample:
+    """One sample time of a disturbed motion."""
+
+    t: float  # s, when it begins
+    before: State
+    after: State
+    tau_left: Floats  # N m, commanded from the measurement at t
+    tau_right: Floats  # N m
+
+
+def largest_sample_time(sampled: SampledLoop, starts: Sequence[State]) -> float | None:
+    """The largest sample time, s, at which all starts settle within torque limits, by bisection; None where none does.
+
+    Bisection on a logarithmic scale assumes that a shorter sample time is never worse.
+    """
+
+    def acceptable(sample_time: float) -> bool:
+        try:
+            return sampled.with_sample_time(sample_time).outcomes(starts).acceptable
+        except UndecidedError:
+            return False
+
+    low, high = math.log(SHORTEST), math.log(LONGEST)
+    largest = None
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if acceptable(math.exp(middle)):
+            low, largest = middle, math.exp(middle)
+        else:
+            high = middle
+    return largest
+
+
+# -- the parts ---------------------------------------------------------------------------------------------------------
+
+
+def _true_plant(plant: Plant, disturbance: Disturbance, random: np.random.Generator) -> Plant:
+    """The vehicles as they are, where the controller knows them as `plant`."""
+    width = disturbance.mismatch
+    factors = 1 + random.uniform(-width, width, (4, plant.graph.vehicles))
+    names = ("m", "inertia", "r", "arm")
+    return replace(plant, **{name: getattr(plant, name) * factor for name, factor in zip(names, factors, strict=True)})
+
+
+def _measured(state: State, disturbance: Disturbance, random: np.random.Generator) -> State:
+    """The state with white noise, as the controller measures it."""
+    position, heading, speed = disturbance.noise_position, disturbance.noise_heading, disturbance.noise_speed
+    if not (position or heading or speed):
+        return state
+    widths = (position, position, heading, speed, speed)
+    return State(
+        *(
+            column + width * random.standard_normal(column.shape) if width else column
+            for column, width in zip(state, widths, strict=True)
+        )
+    )
+
+
+def _with_link_lost(fleet: Fleet, plant: Plant, disturbance: Disturbance) -> Plant:
+    """The plant without an edge: both ends no longer hear each other."""
+    assert disturbance.lost_link is not None  # noqa: S101
+    ends = {fleet.names.index(name) for name in disturbance.lost_link}
+    graph = plant.graph
+    lost = [{int(i), int(j)} == ends for i, j in zip(graph.tail, graph.head, strict=True)]
+    weight = np.where(lost, 0.0, graph.weight)
+    return replace(plant, graph=Graph(graph.tail, graph.head, weight, graph.leader_weight))
+
+
+def _step(plant: Plant, state: State, tau_left: Floats, tau_right: Floats, disturbance: Disturbance) -> State:
+    """One sample time under held torques, by the classical Runge-Kutta method."""
+    steps = math.ceil(disturbance.sample_time / SUBSTEP)
+    h = disturbance.sample_time / steps
+
+    def rate(now: State) -> State:
+        friction = _friction(plant, now, disturbance)
+        return motion(numpy_ops(), plant, now, tau_left - friction[0], tau_right - friction[1])
+
+    for _ in range(steps):
+        k1 = rate(state)
+        k2 = rate(_along(state, k1, h / 2))
+        k3 = rate(_along(state, k2, h / 2))
+        k4 = rate(_along(state, k3, h))
+        slope = State(*((a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)))
+        state = _along(state, slope, h)
+    return state
+
+
+def _friction(plant: Plant, state: State, disturbance: Disturbance) -> tuple[Any, Any]:
+    """Friction torque of the left and the right wheel, N m, against their speeds."""
+    if not (disturbance.coulomb or disturbance.viscous):
+        return 0.0, 0.0
+    # (2) conserves power: the left wheel turns at (v + arm omega) / r, the right one at (v - arm omega) / r.
+    speeds = [(state.v + sign * plant.arm * state.omega) / plant.r for sign in (1, -1)]
+    left, right = (disturbance.coulomb * np.tanh(s / STICTION_SPEED) + disturbance.viscous * s for s in speeds)
+    return left, right
+
+
+def _along(state: State, slope: State, by: float) -> State:
+    return State(*(column + by * rate for column, rate in zip(state, slope, strict=True)))

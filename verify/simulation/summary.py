@@ -1,0 +1,68 @@
+"""The summary of one run: the content of summary.json."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from ...models.tolerance import Tolerance
+from .disturbance import Disturbance
+from .monitor import NamedPeak
+
+
+class IntegrationError(NamedTuple):
+    """An upper estimate of the error of an integration, over all stored points."""
+
+    position: float  # m
+    heading: float  # rad
+
+
+@dataclass(frozen=True)
+class Summary:
+    """What one run of a fleet came to."""
+
+    settling_time: float  # s; inf where not settled at the end
+    tolerance: Tolerance
+    horizon: float  # s
+    peak_torque_ratio: float  # |wheel torque| divided by its limit
+    final_position_error: float  # m, the largest of the fleet
+    final_heading_error: float  # rad
+    max_V_increase: float  # noqa: N815 -- V of (17)
+    peak_speed: float  # m/s
+    peak_turn_rate: float  # rad/s
+    violations: tuple[str, ...]  # broken promises of the theorem, one sentence each
+    peak_torque: NamedPeak | None = None
+    integration_error: IntegrationError | None = None
+    disturbance: Disturbance | None = None  # of a disturbed run
+    nominal: Summary | None = None  # beside a disturbed run: the same run without disturbance
+
+    @property
+    def settled(self) -> bool:
+        """Whether the fleet has settled by the horizon."""
+        return math.isfinite(self.settling_time)
+
+    def to_json(self) -> dict[str, Any]:
+        """The content of summary.json."""
+        document: dict[str, Any] = {
+            "settling_time_s": self.settling_time if self.settled else None,
+            "tolerance": {"position_m": self.tolerance.position, "heading_rad": self.tolerance.heading},
+            "horizon_s": self.horizon,
+            "peak_torque_ratio": self.peak_torque_ratio,
+            "final_position_error_m": self.final_position_error,
+            "final_heading_error_rad": self.final_heading_error,
+            "max_V_increase": self.max_V_increase,
+            "peak_speed": self.peak_speed,
+            "peak_turn_rate": self.peak_turn_rate,
+            "violations": list(self.violations),
+        }
+        if self.peak_torque is not None:
+            document["peak_torque"] = {"time_s": self.peak_torque.time, "vehicle": self.peak_torque.vehicle}
+        if self.integration_error is not None:
+            document["integration_error_m"] = self.integration_error.position
+            document["integration_error_rad"] = self.integration_error.heading
+        if self.disturbance is not None:
+            document["disturbance"] = self.disturbance.to_json()
+        if self.nominal is not None:
+            document["nominal"] = self.nominal.to_json()
+        return document
