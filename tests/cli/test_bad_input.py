@@ -1,13 +1,12 @@
 """Bad input of every kind through the command line: the exit code, one message that says what is wrong, no file left.
 
-`python tests/test_bad_input.py` prints, as a table, how many inputs of each kind there are and how many behaved.
+`python tests/cli/test_bad_input.py` prints, as a table, how many inputs of each kind there are and how many behaved.
 """
 
 from __future__ import annotations
 
 import contextlib
 import csv
-import io
 import json
 import os
 import re
@@ -28,13 +27,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from gaincert.cli import main
 from gaincert.models.errors import one_line
 from gaincert.models.files.fleet_file import graph_mistakes, parse
 from gaincert.models.files.gains_file import load_gains
 from gaincert.reports.deployment import write_fleet_copy
 from gaincert.verify.certificates.certify import certify
 
+from tests.cli.command_line import gaincert
 from tests.models.test_urdf import ROBOT
 
 FLEET = """
@@ -119,7 +118,7 @@ def prepare(bad: Bad, folder: Path) -> None:
 def run(bad: Bad) -> tuple[int, str, str]:
     """Exit code, standard output and standard error; in a process of its own where the system is to refuse."""
     if bad.quota is None and bad.stdout is None:
-        return in_this_process(bad.command)
+        return gaincert(*bad.command)
 
     def with_quota() -> None:
         signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
@@ -132,20 +131,6 @@ def run(bad: Bad) -> tuple[int, str, str]:
             command, stdout=sink, stderr=subprocess.PIPE, text=True, check=False, timeout=60, preexec_fn=with_quota
         )
     return done.returncode, "", done.stderr
-
-
-def in_this_process(command: tuple[str, ...]) -> tuple[int, str, str]:
-    """The command line without the cost of a start; whatever else than an exit it raises is left to fly."""
-    out, err, arguments = io.StringIO(), io.StringIO(), sys.argv
-    sys.argv = ["gaincert", *command]
-    try:
-        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-            main()
-    except SystemExit as leaving:
-        return int(leaving.code or 0), out.getvalue(), err.getvalue()
-    finally:
-        sys.argv = arguments
-    return 0, out.getvalue(), err.getvalue()
 
 
 def complaints(bad: Bad, folder: Path) -> list[str]:
@@ -712,8 +697,7 @@ def test_a_name_with_a_line_break_is_read_back_from_gains_csv(tmp_path: Path) ->
         csv.writer(file).writerows([["vehicle", "p_v", "d_v", "p_omega", "d_omega", "k_alpha"], *rows])
     (tmp_path / "fleet.toml").write_text(named(name))
     command = ("certify", "fleet.toml", "--gains", "gains.csv", "-o", "out", "--conditions", "corrected")
-    with contextlib.chdir(tmp_path):
-        code, out, err = in_this_process(command)
+    code, out, err = gaincert(*command, cwd=tmp_path)
     assert code == 0, out + err
 
 

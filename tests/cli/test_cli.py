@@ -2,6 +2,7 @@
 
 import csv
 import json
+import os
 import resource
 import subprocess
 import sys
@@ -10,18 +11,19 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from gaincert import __version__
+from gaincert.cli_app import app
 from gaincert.models.tolerance import Tolerance
 from gaincert.workflows.compare import variants_of
 from gaincert.workflows.design import DesignOptions
+from gaincert.workflows.simulate import sensitivity, sentence
+from typer.main import get_command
+
+from tests.cli.command_line import gaincert
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 HEAVY = ("casadi", "cvxpy", "clarabel", "sympy", "matplotlib", "jax")
-
-
-def gaincert(*arguments: object, cwd: Path = ROOT) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "gaincert", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=300, cwd=cwd)
 
 
 @pytest.fixture(scope="module")
@@ -272,3 +274,51 @@ def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) 
     assert len(set(variants)) == len(variants) == (11 if given else 5)
     assert ("paper", "designed", "given") not in variants
     assert any(choice[1] == "given" for choice in variants) == given
+
+
+# -- the application ---------------------------------------------------------------------------------------------------
+
+
+def test_the_version_is_printed() -> None:
+    assert gaincert("--version").stdout == f"gaincert {__version__}\n"
+
+
+@pytest.mark.parametrize("shell", ["bash", "zsh", "fish"])
+def test_a_shell_gets_its_completion(shell: str) -> None:
+    environment = {**os.environ, "_TYPER_COMPLETE_TEST_DISABLE_SHELL_DETECTION": "1"}
+    command = [sys.executable, "-m", "gaincert", "--show-completion", shell]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=environment)
+    assert "_GAINCERT_COMPLETE" in done.stdout or "COMPLETE" in done.stdout
+
+
+def test_completion_knows_the_verbs() -> None:
+    environment = {**os.environ, "_GAINCERT_COMPLETE": "complete_bash", "COMP_WORDS": "gaincert va", "COMP_CWORD": "1"}
+    script = "import sys; sys.argv[0] = 'gaincert'; from gaincert.cli import main; main()"
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True, env=environment)
+    assert done.stdout.split() == ["validate"]
+
+
+@pytest.mark.parametrize("verb", [command.name or command.callback.__name__ for command in app.registered_commands])
+def test_every_verb_and_every_option_says_what_it_does(verb: str) -> None:
+    command = get_command(app).commands[verb]
+    assert command.help
+    names = {name for parameter in command.params for name in parameter.opts}
+    assert {"--json", "-q", "-v"} <= names
+    for parameter in command.params:
+        assert parameter.help, parameter.name
+
+
+def test_a_chaotic_run_is_called_sensitive_and_not_wrong() -> None:
+    summary = {
+        "settling_time_s": 400.0,
+        "horizon_s": 600.0,
+        "peak_torque_ratio": 0.5,
+        "final_position_error_m": 0.01,
+        "final_heading_error_rad": 0.01,
+        "integration_error_m": 9.0,
+    }
+    assert "error below" not in sentence(summary)
+    assert "sensitive" in " ".join(sensitivity(summary))
+    calm = {**summary, "integration_error_m": 1e-9}
+    assert "integration error below 1e-09 m" in sentence(calm)
+    assert sensitivity(calm) == []

@@ -5,6 +5,7 @@ import logging
 import math
 import os
 import signal
+import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future
@@ -401,6 +402,32 @@ def test_quiet_leaves_warnings_out() -> None:
         printer = Printer(False, quiet, False)
         assert printer.silent().quiet
         assert log.isEnabledFor(logging.WARNING) == shown
+
+
+WARNING_FROM_A_WORKER = """
+import logging
+from gaincert.console import Printer
+from gaincert.parallel import local
+
+def warn(text):
+    logging.getLogger("gaincert.synthesis.design").warning(text)
+
+if __name__ == "__main__":
+    Printer(False, {quiet}, False)
+    warn("from here")
+    with local(1) as (pool, _):
+        pool.submit(warn, "from a\\nworker").result()
+"""
+
+
+@pytest.mark.parametrize("quiet", [False, True])
+def test_warnings_of_workers_look_like_those_of_the_command_line(quiet: bool, tmp_path: Path) -> None:
+    """A worker begins with Python's own format for warnings."""
+    script = tmp_path / "script.py"
+    script.write_text(WARNING_FROM_A_WORKER.format(quiet=quiet))
+    done = subprocess.run([sys.executable, script], capture_output=True, text=True, check=True)
+    said = [] if quiet else ["warning: from here", "warning: from a\\nworker"]
+    assert done.stderr.splitlines() == said
 
 
 # -- kills and interrupts ---------------------------------------------------------------------------------------------

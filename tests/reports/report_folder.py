@@ -12,6 +12,7 @@ from gaincert.models.gains import GAIN_NAMES
 from gaincert.models.numbers import decimal_text
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.reports.deployment import write_fleet_copy
+from gaincert.reports.figures.run_figures import write_figures
 from gaincert.reports.tables.gain_table import rows, write_csv
 from gaincert.verify.certificates.certify import certify
 from gaincert.verify.simulation.simulate import simulate, summarize
@@ -24,6 +25,8 @@ ATTACKS = (
     "{{ 7 * 7 }}{% raw %}",
     "javascript:alert(4)//\u2028&lt;b&gt;",
 )
+
+HOSTILE = "<script>alert(1)</script> \\input{/etc/passwd} $x$ & % # _ ^ ~ | `a` 车 \n {{ 7 * 7 }}"
 
 
 def renamed(names: tuple[str, ...], title: str) -> Fleet:
@@ -49,6 +52,7 @@ def fill(folder: Path, fleet: Fleet, horizon: float = 30.0) -> Path:
     write_json(folder / "design.json", design(fleet))
     run = simulate(fleet, gains, excitation, horizon=horizon)
     run.write(folder / "trajectory.npz")
+    write_figures(fleet, {"bounded scheme": run}, folder / "figures")
     origin = {"scheme": "bounded", "fleet_digest": fleet.digest, "versions": {"gaincert": "<b>0</b>"}}
     write_json(folder / "summary.json", {**summarize(fleet, run).to_json(), **origin})
     write_json(folder / "validation.json", validation())

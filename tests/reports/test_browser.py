@@ -5,9 +5,8 @@ import shutil
 from pathlib import Path
 
 import pytest
-from gaincert.reports.html.page import write_report
 
-from tests.reports.report_folder import ATTACKS, fill, renamed
+from tests.reports.report_folder import ATTACKS
 
 pytestmark = pytest.mark.browser
 CHROMIUM = next(
@@ -17,15 +16,10 @@ SCREENS = {"desktop": {"width": 1280, "height": 900}, "phone": {"width": 390, "h
 
 
 @pytest.fixture(scope="module")
-def report(tmp_path_factory):
-    return write_report(fill(tmp_path_factory.mktemp("browser"), renamed(ATTACKS, "<h1>title</h1>")))
-
-
-@pytest.fixture(scope="module")
 def browser():
-    playwright = pytest.importorskip("playwright.sync_api")
+    playwright = pytest.importorskip("playwright.sync_api", reason="playwright is missing: pip install playwright")
     if CHROMIUM is None:
-        pytest.skip("no Chromium")
+        pytest.skip("Chromium is missing: apt-get install chromium")
     with playwright.sync_playwright() as started:
         browser = started.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
         yield browser
@@ -33,7 +27,7 @@ def browser():
 
 
 @pytest.fixture
-def open_page(browser, report):
+def open_page(browser, attacked):
     """(screen, colour scheme) -> the page, and the list of what went wrong on it."""
     contexts = []
 
@@ -45,7 +39,7 @@ def open_page(browser, report):
         page.on("pageerror", lambda error: wrong.append(str(error)))
         page.on("dialog", lambda dialog: (wrong.append(dialog.message), dialog.dismiss()))
         page.on("request", lambda request: request.url.startswith(("file:", "data:")) or wrong.append(request.url))
-        page.goto(report.as_uri())
+        page.goto((attacked / "report.html").as_uri())
         return page, wrong
 
     yield open_

@@ -39,7 +39,7 @@ HOSTILE = (
     "=1+1",
     "a: [1, {b: !!python/object}]\n- x",
 )
-compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="a C compiler is missing: apt-get install gcc")
 
 
 def deployed_of(fleet: Fleet, excitation: object, gains: object) -> Deployment:
@@ -233,7 +233,9 @@ def test_no_cell_begins_a_formula(text):
     assert no_formula("a" + text) == "a" + text
 
 
-@pytest.mark.skipif(shutil.which("pdflatex") is None, reason="no pdflatex")
+@pytest.mark.skipif(
+    shutil.which("pdflatex") is None, reason="LaTeX is missing: apt-get install texlive-latex-recommended"
+)
 @pytest.mark.parametrize("many", [1, 8])
 def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
     fleet = hostile_fleet()
@@ -273,7 +275,7 @@ def test_markdown_has_one_line_for_each_vehicle_and_no_markup_of_names():
 
 
 def test_ros2_parameters_load_with_the_types_that_ros_wants():
-    yaml = pytest.importorskip("yaml")
+    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
     deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
     content = yaml.safe_load(FORMATS["ros2"](deployed)["gaincert.yaml"])
     assert list(content) == [f"/v{i}/gaincert_controller" for i in range(1, 7)]
@@ -292,7 +294,7 @@ def test_ros2_parameters_load_with_the_types_that_ros_wants():
 
 
 def test_hostile_names_are_yaml_strings_and_no_ros_names():
-    yaml = pytest.importorskip("yaml")
+    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
     content = yaml.safe_load(
         FORMATS["ros2"](deployed_of(hostile_fleet(), paper_excitation(), paper_gains()))["gaincert.yaml"]
     )
@@ -303,7 +305,7 @@ def test_hostile_names_are_yaml_strings_and_no_ros_names():
 
 @pytest.mark.parametrize("text", ["plain", *HOSTILE, "\x00\x7f\x85\u2028\ufeff", "\U0001f916", "'", "# x"])
 def test_text_survives_yaml(text):
-    yaml = pytest.importorskip("yaml")
+    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
     assert yaml.safe_load(yaml_text(text)) == text
 
 

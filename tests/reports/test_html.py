@@ -26,28 +26,15 @@ from gaincert.reports.tables.conditions_table import condition_rows
 from gaincert.reports.tables.designs_table import design_rows
 from gaincert.verify.simulation.trajectory import Trajectory, read_trajectory
 
-from tests.reports.report_folder import ATTACKS, fill, renamed
+from tests.reports.report_folder import ATTACKS
 
 ROOT = Path(__file__).parents[2]
 MOST_BYTES = 5_000_000
 
 
 @pytest.fixture(scope="module")
-def attacked(tmp_path_factory):
-    """The report of a fleet whose names are markup."""
-    folder = fill(tmp_path_factory.mktemp("attacked"), renamed(ATTACKS, "<h1>title</h1>"))
-    write_report(folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
 def page(attacked):
     return (attacked / "report.html").read_text()
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    return fill(tmp_path_factory.mktemp("plain"), paper_fleet())
 
 
 def elements(page):
@@ -264,7 +251,7 @@ def test_mp4_without_ffmpeg_is_bad_usage(folder, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="no ffmpeg")
+@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is missing: apt-get install ffmpeg")
 def test_an_mp4_is_written(folder, monkeypatch):
     from gaincert.reports.figures import movie
 

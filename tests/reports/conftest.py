@@ -1,0 +1,36 @@
+"""Folders and claims that several files of tests read; they are copied before they are changed."""
+
+from dataclasses import replace
+
+import pytest
+from gaincert.models.paper import paper_fleet
+from gaincert.reports.html.page import write_report
+from gaincert.verify import proof
+
+from tests.reports.report_folder import ATTACKS, HOSTILE, fill, renamed
+
+
+@pytest.fixture(scope="session")
+def folder(tmp_path_factory):
+    """The paper's fleet with its own gains."""
+    return fill(tmp_path_factory.mktemp("plain"), paper_fleet())
+
+
+@pytest.fixture(scope="session")
+def attacked(tmp_path_factory):
+    """The same fleet under names that are markup, with its report."""
+    folder = fill(tmp_path_factory.mktemp("attacked"), renamed(ATTACKS, "<h1>title</h1>"))
+    write_report(folder)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def claims():
+    return proof.prove()
+
+
+@pytest.fixture(scope="session")
+def hostile_claims():
+    """Claims whose witness is markup of every language."""
+    fleet = paper_fleet().model_copy(update={"name": HOSTILE})
+    return [replace(claim, witness=HOSTILE) if claim.id == "eq-21" else claim for claim in proof.prove(fleet)]
