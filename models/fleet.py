@@ -17,7 +17,7 @@ from .arrays import Array, column, floats
 from .conditions import ConditionData
 from .equations import Plant, State
 from .excitation import Excitation
-from .fleet_tables import DisturbanceTable, ExcitationTable, Leader, Links, Name, Table, Vehicle
+from .fleet_tables import DisturbanceTable, ExcitationTable, Leader, Links, Name, SaturationTable, Table, Vehicle
 from .graph import Graph
 from .graph_checks import graph_mistakes
 from .numbers import high, low, nominal
@@ -30,6 +30,7 @@ class Fleet(Table):
     drive: Literal["physical", "paper"] = "physical"
     leader: Leader
     excitation: ExcitationTable | None = None
+    saturation: SaturationTable | None = None  # None: the tool designs the scales
     disturbance: DisturbanceTable | None = None  # for simulation only
     links: Links = Field(alias="graph")
     vehicles: tuple[Vehicle, ...] = Field(alias="vehicle")
@@ -45,10 +46,7 @@ class Fleet(Table):
         """The same fleet with other links; itself for None."""
         if links is None:
             return self
-        kept = {
-            name: getattr(self, name) for name in ("name", "drive", "leader", "excitation", "disturbance", "vehicles")
-        }
-        return Fleet(links=links, **kept)
+        return Fleet(links=links, **{name: getattr(self, name) for name in type(self).model_fields if name != "links"})
 
     def __len__(self) -> int:
         return len(self.vehicles)
@@ -129,8 +127,12 @@ class Fleet(Table):
         return State(*np.array(rows, dtype=float).T)
 
     def content(self) -> dict[str, Any]:
-        """All that a certificate speaks of, in the fleet file's keys: no name, leader's pose, starts or disturbance."""
-        left_out: Any = {"name": True, "leader": True, "disturbance": True, "vehicles": {"__all__": {"start"}}}
+        """What a certificate says of the fleet, in the file's keys.
+
+        Left out are its name, the leader's pose, starts, scales (they belong to the gains) and the disturbance.
+        """
+        tables: Any = dict.fromkeys(("name", "leader", "disturbance", "saturation"), True)
+        left_out = {**tables, "vehicles": {"__all__": {"start"}}}
         return self.model_dump(mode="json", by_alias=True, exclude=left_out)
 
     @cached_property

@@ -12,6 +12,7 @@ from pydantic_core import PydanticCustomError
 
 from .excitation import Excitation
 from .numbers import NotNegative, Number, Positive, Uncertain
+from .saturation import Saturation
 
 Name = Annotated[str, Field(min_length=1, max_length=64)]
 Point = tuple[Number, Number]
@@ -136,6 +137,20 @@ class Links(Table):
 
     edges: tuple[Annotated[tuple[str, str, Positive], BeforeValidator(_weighted)], ...] = ()
     leader_links: dict[str, NotNegative]
+
+
+class SaturationTable(Table):
+    """The scales that the arguments of tanh are divided by; all 1 is the controller as the paper prints it."""
+
+    position: Positive = Fraction(1)  # m, in (8)
+    heading: Positive = Fraction(1)  # rad, in (10)
+    speed: Positive = Fraction(1)  # m/s, in (7), of every vehicle
+    turn_rate: Positive = Fraction(1)  # rad/s, in (9), of every vehicle
+
+    @property
+    def scales(self) -> Saturation:
+        """The same for the controller, exact."""
+        return Saturation(self.position, self.heading, self.speed, self.turn_rate)
 
 
 class DisturbanceTable(Table):

@@ -11,12 +11,14 @@ from ..fleet import Fleet
 from ..fleet_tables import SpeedLimits, Table
 from ..numbers import decimal_text
 
+TABLES = ("leader", "excitation", "saturation", "disturbance", "graph")
+
 
 def dumps(fleet: Fleet) -> str:
     """The TOML text of a fleet; reading it back gives an equal fleet."""
     content = _entries(fleet)
     vehicles = content.pop("vehicle")
-    tables = {key: content.pop(key) for key in ("leader", "excitation", "disturbance", "graph") if key in content}
+    tables = {key: content.pop(key) for key in TABLES if key in content}
     lines = _lines(content)
     for key, table in tables.items():
         lines += ["", f"[{key}]", *_lines(_entries(table))]

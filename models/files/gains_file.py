@@ -8,17 +8,18 @@ from dataclasses import dataclass
 from decimal import Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..arrays import column
+from ..arrays import Array, column
 from ..errors import InputError
 from ..excitation import Excitation
 from ..fleet import Fleet
 from ..fleet_tables import ExcitationTable, Links
 from ..gains import GAIN_NAMES, Gains
-from ..numbers import exact
+from ..numbers import decimal_text, exact
+from ..saturation import SCALE_NAMES, Saturation
 from .fleet_file import MAX_CSV_BYTES, csv_rows, read_toml
 from .mistakes import explain, shown
 from .text import read_text
@@ -28,55 +29,74 @@ from .text import read_text
 class GainsFile:
     """What a gains file says."""
 
-    gains: Gains  # exact, (N,)
+    gains: Gains  # exact, (N,), with their scales
     excitation: Excitation  # the file's own, else the fleet's
     conditions: str | None  # the condition set that they were designed for
     links: Links | None = None  # the weights that they were designed with, None for the fleet's own
+
+
+class _Content(NamedTuple):
+    """What a reader finds in a file, not yet checked."""
+
+    gains: Mapping[str, Any]  # by name
+    saturation: Mapping[str, Any]  # by name; a scale that is left out is 1
+    excitation: Any = None
+    conditions: str | None = None
+    digest: str | None = None
+    weights: Any = None
 
 
 def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
     """The gains in a design.json, gains.csv or gains.toml, for a fleet. Raises InputError.
 
     design.json and gains.toml: five keys p_v, d_v, p_omega, d_omega, k_alpha, each a list in file order or (TOML) one
-    number for all, and optionally [excitation] as in a fleet file. gains.csv: columns vehicle and the five gains.
+    number for all, and optionally [excitation] and [saturation] as in a fleet file. gains.csv: columns vehicle, the
+    five gains and optionally position_scale, heading_scale, speed_scale, turn_rate_scale. Scales left out are 1.
     """
     path = Path(path)
     readers = {".json": _from_json, ".csv": _from_csv, ".toml": _from_toml}
     if path.suffix.lower() not in readers:
         raise InputError(f"{path}: gains are read from .json, .csv and .toml files; rename it to what it is")
-    values, table, conditions, digest, weights = readers[path.suffix.lower()](path, fleet)
-    if digest is not None and digest != fleet.digest:
-        raise InputError(f"{path}: was designed for another fleet ({digest}, this is {fleet.digest}); design it again")
-    excitation = _excitation(path, table) if table is not None else fleet.psi
+    content = readers[path.suffix.lower()](path, fleet)
+    if content.digest is not None and content.digest != fleet.digest:
+        raise InputError(
+            f"{path}: was designed for another fleet ({content.digest}, this is {fleet.digest}); design it again"
+        )
+    excitation = _excitation(path, content.excitation) if content.excitation is not None else fleet.psi
     if excitation is None:
         raise InputError(f"{path}: neither it nor the fleet file has an [excitation] table; add one to either")
-    chosen = _gains(path, values, fleet)
-    return GainsFile(chosen, excitation, conditions, _links(path, weights, fleet) if weights is not None else None)
+    gains = _gains(path, content, fleet)
+    links = _links(path, content.weights, fleet) if content.weights is not None else None
+    return GainsFile(gains, excitation, content.conditions, links)
 
 
-_Content = tuple[Mapping[str, Any], Any, str | None, str | None, Any]
-
-
-def _from_json(path: Path, _: Fleet) -> _Content:
+def _from_json(path: Path, fleet: Fleet) -> _Content:
     try:
         content = json.loads(read_text(path, MAX_CSV_BYTES), parse_float=Decimal)
     except (ValueError, RecursionError) as error:
         raise InputError(f"{path}: is not JSON: {error}") from None
     except ArithmeticError:
-        raise InputError(f"{path}: holds a number whose exponent is beyond all reading; correct it") from None
+        raise InputError(f"{path}: holds a number whose exponent is too large; correct it") from None
     if not isinstance(content, dict) or not isinstance(content.get("gains"), dict):
         raise InputError(f"{path}: is not a design.json: it has no object 'gains'")
-    conditions, digest = content.get("conditions"), content.get("fleet_digest")
-    return content["gains"], content.get("excitation"), _text(conditions), _text(digest), content.get("weights")
+    return _Content(
+        content["gains"],
+        _scales(path, content.get("saturation"), fleet),
+        content.get("excitation"),
+        _text(content.get("conditions")),
+        _text(content.get("fleet_digest")),
+        content.get("weights"),
+    )
 
 
 def _from_toml(path: Path, fleet: Fleet) -> _Content:
     content = read_toml(path)
-    table = content.pop("excitation", None)
+    excitation, saturation = content.pop("excitation", None), content.pop("saturation", None)
     if unknown := set(content) - set(GAIN_NAMES):
-        raise InputError(f"{path}: unknown key {min(unknown)!r}; a gains file has {', '.join(GAIN_NAMES)}, excitation")
+        known = ", ".join((*GAIN_NAMES, "saturation", "excitation"))
+        raise InputError(f"{path}: unknown key {min(unknown)!r}; a gains file has {known}")
     values = {key: value if isinstance(value, list) else [value] * len(fleet) for key, value in content.items()}
-    return values, table, None, None, None
+    return _Content(values, _scales(path, saturation, fleet), excitation)
 
 
 def _from_csv(path: Path, fleet: Fleet) -> _Content:
@@ -87,28 +107,57 @@ def _from_csv(path: Path, fleet: Fleet) -> _Content:
     rows: dict[str, Mapping[str, str]] = {}
     for row in entries:
         if row["vehicle"] in rows:
-            raise InputError(f"{path}: vehicle {row['vehicle']!r} stands twice")
+            raise InputError(f"{path}: vehicle {row['vehicle']!r} is listed twice; keep one row")
         rows[row["vehicle"]] = row
     if extra := set(rows) - set(fleet.names):
         raise InputError(f"{path}: vehicle {min(extra, key=str)!r} is not in the fleet")
     if lost := [name for name in fleet.names if name not in rows]:
         raise InputError(f"{path}: has no row for vehicle {lost[0]!r}")
-    return {key: [rows[name][key] for name in fleet.names] for key in GAIN_NAMES}, None, None, None, None
+
+    def values(key: str) -> list[str]:
+        return [rows[name][key] for name in fleet.names]
+
+    scales = {name: values(f"{name}_scale") for name in SCALE_NAMES if f"{name}_scale" in heading}
+    return _Content({name: values(name) for name in GAIN_NAMES}, scales)
 
 
-def _gains(path: Path, values: Mapping[str, Any], fleet: Fleet) -> Gains:
-    """Exact positive gains, one per vehicle; every mistake at once."""
+def _scales(path: Path, table: Any, fleet: Fleet) -> dict[str, list[Any]]:
+    """Every scale of a [saturation] table or object, one entry per vehicle."""
+    if table is None:
+        return {}
+    if not isinstance(table, dict):
+        raise InputError(f"{path}: saturation must be a table with {', '.join(SCALE_NAMES)}")
+    if unknown := set(table) - set(SCALE_NAMES):
+        raise InputError(f"{path}: saturation: unknown key {min(unknown)!r}; it has {', '.join(SCALE_NAMES)}")
+    return {key: value if isinstance(value, list) else [value] * len(fleet) for key, value in table.items()}
+
+
+def _gains(path: Path, content: _Content, fleet: Fleet) -> Gains:
+    """Exact positive gains and scales, one per vehicle; every mistake at once."""
     mistakes: list[str] = []
-    columns = []
-    for name in GAIN_NAMES:
-        entries = values.get(name)
+
+    def numbers(name: str, entries: Any) -> Array:
         if not isinstance(entries, list) or len(entries) != len(fleet):
             mistakes.append(f"{path}: {name} must be a list of {len(fleet)} numbers, one per vehicle in file order")
-        else:
-            columns.append(column(_positive(path, name, fleet.names, entries, mistakes)))
+            return column([])
+        return column(_positive(path, name, fleet.names, entries, mistakes))
+
+    gains = [numbers(name, content.gains.get(name)) for name in GAIN_NAMES]
+    if fleet.saturation is not None and not content.saturation and not fleet.saturation.scales.unit:
+        mistakes.append(
+            f"{path}: has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"
+        )
+    scales = {name: numbers(f"{name} scale", entries) for name, entries in content.saturation.items()}
+    for name in ("position", "heading"):
+        if name in scales and len(values := sorted(set(scales[name]))) > 1:
+            mistakes.append(
+                f"{path}: the {name} scale must be the same for all vehicles, but is {decimal_text(values[0])} "
+                f"for one and {decimal_text(values[-1])} for another"
+            )
     if mistakes:
         raise InputError(*mistakes)
-    return Gains(*columns)
+    network = {name: scales[name][0] for name in ("position", "heading") if name in scales}
+    return Gains(*gains, Saturation(**{**scales, **network}))
 
 
 def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], mistakes: list[str]) -> list[Fraction]:

@@ -654,3 +654,22 @@ def test_the_papers_template_has_the_papers_vehicles():
     assert parse(tomllib.loads(template_text("paper", 6), parse_float=Decimal)).digest != paper_fleet().digest
     with pytest.raises(InputError, match="--vehicles 5: the paper's fleet has 6"):
         template_text("paper", 5)
+
+
+def test_saturation_scales_are_read_and_written(tmp_path):
+    text = GOOD + "[saturation]\nposition = 0.3\nspeed = 2\n"
+    (tmp_path / "fleet.toml").write_text(text)
+    fleet = load(tmp_path / "fleet.toml")
+    assert fleet.saturation is not None
+    scales = fleet.saturation.scales
+    assert (scales.position, scales.heading, scales.speed, scales.turn_rate) == (Fraction("0.3"), 1, 2, 1)
+    (tmp_path / "again.toml").write_text(dumps(fleet))
+    assert load(tmp_path / "again.toml") == fleet
+    (tmp_path / "plain.toml").write_text(GOOD)
+    assert fleet.digest == load(tmp_path / "plain.toml").digest  # scales belong to the gains
+
+
+def test_a_scale_must_be_positive(tmp_path):
+    (tmp_path / "fleet.toml").write_text(GOOD + "[saturation]\nheading = 0\n")
+    with pytest.raises(InputError, match="saturation: heading = 0 must be a number > 0"):
+        load(tmp_path / "fleet.toml")

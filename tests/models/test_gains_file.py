@@ -108,7 +108,7 @@ def test_what_is_no_design_is_refused(text: str, tmp_path: Path) -> None:
 
 def test_an_unknown_key_of_a_toml_file_is_named(tmp_path: Path) -> None:
     assert refusal(toml(tmp_path, "p_w = 1")) == [
-        "unknown key 'p_w'; a gains file has p_v, d_v, p_omega, d_omega, k_alpha, excitation"
+        "unknown key 'p_w'; a gains file has p_v, d_v, p_omega, d_omega, k_alpha, saturation, excitation"
     ]
 
 
@@ -118,7 +118,7 @@ def test_mistakes_in_a_table_of_gains(tmp_path: Path) -> None:
     assert refusal(table(tmp_path, columns=("p_v", "d_v", "p_omega", "d_omega", "k"))) == [
         "has no column 'k_alpha'; a gains.csv has the columns vehicle,p_v,d_v,p_omega,d_omega,k_alpha"
     ]
-    assert refusal(table(tmp_path, [["v1", *row], ["v1", *row]])) == ["vehicle 'v1' stands twice"]
+    assert refusal(table(tmp_path, [["v1", *row], ["v1", *row]])) == ["vehicle 'v1' is listed twice; keep one row"]
     assert refusal(table(tmp_path, [[name, *row] for name in (*names, "v7")])) == ["vehicle 'v7' is not in the fleet"]
     assert refusal(table(tmp_path, [[name, *row] for name in names[:5]])) == ["has no row for vehicle 'v6'"]
 
@@ -142,3 +142,61 @@ def test_designed_weights_must_lie_on_the_fleets_own_links(tmp_path: Path) -> No
     for changed in ({"leader_links": {"v9": "1"}}, {"edges": own["edges"][1:]}):
         (line,) = refusal(design(tmp_path, weights={**own, **changed}))
         assert line.startswith("weights: ") and line.endswith("; design them again")
+
+
+NUMBERED = list(enumerate(paper_fleet().names))
+SCALES = {"position": "0.2", "heading": "0.05", "speed": [f"1.{i}" for i in range(6)], "turn_rate": ["2.5"] * 6}
+
+
+def test_the_three_kinds_of_file_say_the_same_scales(tmp_path: Path) -> None:
+    lines = [f"{name} = [{', '.join(values)}]" for name, values in GAINS.items()]
+    scales = [f"position = 0.2\nheading = 0.05\nspeed = [{', '.join(SCALES['speed'])}]\nturn_rate = 2.5"]
+    rows = [
+        [name, *(GAINS[gain][i] for gain in GAIN_NAMES), "0.2", "0.05", SCALES["speed"][i], "2.5"]
+        for i, name in enumerate(paper_fleet().names)
+    ]
+    columns = (*GAIN_NAMES, "position_scale", "heading_scale", "speed_scale", "turn_rate_scale")
+    files = [
+        design(tmp_path, saturation=SCALES),
+        table(tmp_path, rows, columns),
+        toml(tmp_path, "\n".join([*lines, "[saturation]", *scales])),
+    ]
+    for path in files:
+        found = load_gains(path, paper_fleet()).gains.saturation
+        assert (found.position, found.heading) == (Fraction("0.2"), Fraction("0.05")), path
+        assert list(found.speed) == [Fraction(value) for value in SCALES["speed"]]
+        assert list(found.turn_rate) == [Fraction("2.5")] * 6
+
+
+def test_without_scales_they_are_1(tmp_path: Path) -> None:
+    for path in (design(tmp_path), table(tmp_path)):
+        assert load_gains(path, paper_fleet()).gains.saturation.unit
+
+
+def test_a_network_scale_that_differs_between_vehicles_is_refused_by_name(tmp_path: Path) -> None:
+    rows = [
+        [name, *(GAINS[gain][i] for gain in GAIN_NAMES), f"0.{i + 1}"] for i, name in enumerate(paper_fleet().names)
+    ]
+    said = refusal(table(tmp_path, rows, (*GAIN_NAMES, "heading_scale")))
+    assert said == ["the heading scale must be the same for all vehicles, but is 0.1 for one and 0.6 for another"]
+
+
+@pytest.mark.parametrize(
+    ("scales", "said"),
+    [
+        ({"position": "0"}, "vehicle 'v1': position scale = '0' must be > 0"),
+        ({"speed": ["1"]}, "speed scale must be a list of 6 numbers, one per vehicle in file order"),
+        ({"posture": "1"}, "saturation: unknown key 'posture'; it has position, heading, speed, turn_rate"),
+        (7, "saturation must be a table with position, heading, speed, turn_rate"),
+    ],
+)
+def test_mistakes_in_scales(tmp_path: Path, scales: Any, said: str) -> None:
+    assert refusal(design(tmp_path, saturation=scales))[0] == said
+
+
+def test_a_fleet_that_gives_scales_wants_them_in_the_file(tmp_path: Path) -> None:
+    from gaincert.models.fleet_tables import SaturationTable
+
+    asked = paper_fleet().model_copy(update={"saturation": SaturationTable(position="0.3")})
+    said = refusal(table(tmp_path), asked)
+    assert said == ["has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"]

@@ -17,7 +17,7 @@ from flint import arb, ctx, fmpq
 
 from ...models.algebra.log_cosh import log_cosh
 from ...models.algebra.ops import Ops, numpy_ops
-from ...models.arrays import Array, column
+from ...models.arrays import Array
 
 Ball = Any  # a flint.arb
 BITS = 256  # working precision: witnesses carry about 70 digits
@@ -29,9 +29,9 @@ def ball(number: Any) -> Ball:
     return arb(fmpq(exact.numerator, exact.denominator))
 
 
-def balls(values: Iterable[Any]) -> Array:
-    """An object array of balls."""
-    return column(ball(value) for value in values)
+def balls(values: Iterable[Any] | Any) -> Array:
+    """An object array of balls; one ball for one number."""
+    return column(map(ball, values)) if isinstance(values, Iterable) else ball(values)
 
 
 def text(value: Ball, digits: int = 6) -> str:
