@@ -17,7 +17,7 @@ from flint import arb, ctx, fmpq
 
 from ...models.algebra.log_cosh import log_cosh
 from ...models.algebra.ops import Ops, numpy_ops
-from ...models.arrays import Array
+from ...models.arrays import Array, column
 
 Ball = Any  # a flint.arb
 BITS = 256  # working precision: witnesses carry about 70 digits
