@@ -1,4 +1,4 @@
-"""What `design` ranks with: the closed loop of many candidates side by side, compiled and over NumPy.
+"""The ranking integrator of `design`: the closed loop of many candidates side by side, compiled and over NumPy.
 
     python -m benchmarks.rollouts [FLEET.toml ...]
 
@@ -23,7 +23,7 @@ from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
 from gaincert.synthesis.rollouts.compiler import Single
-from gaincert.synthesis.rollouts.settling import VEHICLES
+from gaincert.synthesis.settings import FAST
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 ROUNDS, REPEATS = 15, 20
@@ -31,7 +31,7 @@ ROUNDS, REPEATS = 15, 20
 
 def measure(fleet: Fleet) -> dict[str, float]:
     """Nanoseconds for the rates of one vehicle, by both, and how far they are apart, of the largest rate."""
-    vehicles, columns = len(fleet), VEHICLES // len(fleet)
+    vehicles, columns = len(fleet), FAST.simulated_vehicles // len(fleet)
     random, psi = np.random.default_rng(0), flat_tones()
     state = random.normal(0, 4, (len(State._fields), vehicles, columns)).astype(Single)
     gains = random.uniform(0.5, 2, (len(GAIN_NAMES), vehicles, columns)).astype(Single)

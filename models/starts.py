@@ -18,7 +18,7 @@ class Draw(IntEnum):
     RANKING = 1
     TRAINING = 2
     COMPARISON = 3
-    LAST_CHOICE = 4
+    FINAL_RANKING = 4
 
 
 def scale(fleet: Fleet) -> float:

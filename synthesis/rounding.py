@@ -15,11 +15,11 @@ from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
 
 
-def rounded(conditions: ConditionSet, limits: ConditionData, gains: Gains, digits: int) -> Gains:
+def rounded(conditions: ConditionSet, data: ConditionData, gains: Gains, digits: int) -> Gains:
     """Exact gains of at most `digits` significant digits that meet the conditions, from float gains that nearly do.
 
     All gains are rounded down, which the torque limit survives. Rounding a damping gain down may break a homogeneous
-    condition; it is met again by lowering the gains in which its small side is linear. `limits` must be exact.
+    condition; it is met again by lowering the gains in which its small side is linear. `data` must be exact.
     Raises UndecidedError where the gains are not positive numbers, or where rounding leaves none,
     because `digits` is too small for the limits.
     """
@@ -27,9 +27,9 @@ def rounded(conditions: ConditionSet, limits: ConditionData, gains: Gains, digit
         raise UndecidedError("a solver returned gains that are not positive numbers")
     numbers = exact_numbers()
     exact = gains.map(lambda column: floor_digits(column, digits))
-    for condition in (conditions.torque, *conditions.homogeneous(limits)):
-        exact = _lowered(exact, condition(numbers, limits, exact), digits)
-    for inequality in conditions.inequalities(numbers, limits, exact):
+    for condition in (conditions.torque, *conditions.homogeneous(data)):
+        exact = _lowered(exact, condition(numbers, data, exact), digits)
+    for inequality in conditions.inequalities(numbers, data, exact):
         if not np.all(inequality.holds):
             raise UndecidedError(f"rounding to {digits} digits breaks {inequality.source}; ask for more --digits")
     return exact

@@ -57,15 +57,15 @@ def structured(scalars: Scalars, m: Array, inertia: Array, degree: Array) -> Gai
     )
 
 
-def within(conditions: ConditionSet, limits: ConditionData, gains: Gains) -> Gains:
+def within(conditions: ConditionSet, data: ConditionData, gains: Gains) -> Gains:
     """The gains (floats) moved into the conditions, vehicle by vehicle; always possible, in closed form.
 
     Each condition but the torque limit is homogeneous: it is met by lowering the gains in which its small side is
     linear, and stays met when later ones are. The torque limit comes last and scales all gains of a vehicle together.
     """
     numbers = float_numbers()
-    for condition in (*conditions.homogeneous(limits), conditions.torque):
-        gains = lowered(gains, condition(numbers, limits, gains))
+    for condition in (*conditions.homogeneous(data), conditions.torque):
+        gains = lowered(gains, condition(numbers, data, gains))
     return gains
 
 

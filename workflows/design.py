@@ -44,9 +44,9 @@ def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, An
     from ..reports.deployment import write_fleet_copy
     from ..reports.tables.gain_table import for_terminal, rows, write_csv
     from ..reports.versions import versions
-    from ..synthesis.design import as_json
+    from ..synthesis.design_file import DesignFile
 
-    document = as_json(design, versions())
+    document = DesignFile.of(design, versions()).content()
     table = rows(design.used_fleet, design.excitation, design.gains)
     write_json(folder / "design.json", document)
     write_csv(folder / "gains.csv", table)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import logging
 import math
 from concurrent.futures import Executor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import casadi as ca
 import numpy as np
@@ -28,9 +28,9 @@ from ...models.errors import last_line
 from ...models.excitation import Excitation
 from ..modes import Modes, modes
 from ..scaled_gains import INWARD, Scalars, structured
-
-if TYPE_CHECKING:
-    from ..design import Task
+from ..settings import Settings
+from ..task import Task
+from .solvers import ipopt_finds_optimum
 
 Floats = NDArray[np.float64]
 Optimum = tuple[Scalars, float]  # with its predicted settling time, s
@@ -38,8 +38,6 @@ LOG = logging.getLogger(__name__)
 
 LARGE = 200  # vehicles; beyond, one local optimum has to do
 TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
-SOLVE_SECONDS = 120.0  # of wall clock for IPOPT from one start: a busy machine takes some seconds
-MOST_ITERATIONS = 120  # of IPOPT from one start: whoever needs more reports no optimum or one that other starts find
 TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
 SLACK = 1e-3  # of a logarithm, by which an optimum may lie outside its bounds
 LARGEST = 50.0  # logarithm of a time in s that can be meant
@@ -58,10 +56,10 @@ def local_optima(task: Task, distance: float, executor: Executor | None = None) 
     """
     programs = [(task, distance, constants) for constants in _time_constants(task)]
     optima: list[Optimum] = []
-    for found, trouble in executor.map(_solved, programs) if executor else map(_solved, programs):
-        if trouble:
-            LOG.warning("averaged program: broken off: %s", trouble)
-        for optimum in found:
+    for solutions, error in executor.map(_solve, programs) if executor else map(_solve, programs):
+        if error:
+            LOG.warning("averaged program: broken off: %s", error)
+        for optimum in solutions:
             if not any(np.allclose(optimum[0].logarithms(), seen.logarithms(), atol=0.02) for seen, _ in optima):
                 optima.append(optimum)
     if not optima:
@@ -73,20 +71,20 @@ def _time_constants(task: Task) -> tuple[float, ...]:
     return TIME_CONSTANTS[1:2] if len(task.fleet) > LARGE else TIME_CONSTANTS
 
 
-def _solved(program: tuple[Task, float, float]) -> tuple[list[Optimum], str]:
-    """What IPOPT finds from the starts, of a large fleet the first alone, and what broke it off, if something did."""
+def _solve(program: tuple[Task, float, float]) -> tuple[list[Optimum], str]:
+    """IPOPT's optima from the starts, in a large fleet one alone, and the error that ended it, if there was one."""
     task, distance, constants = program
-    found: list[Optimum] = []
+    optima: list[Optimum] = []
     try:
         averaged = AveragedProgram(task, distance=distance, time_constants=constants)
         for start in STARTS:
             if optimum := averaged.solve(start):
-                found.append(optimum)
+                optima.append(optimum)
                 if len(task.fleet) > LARGE:
                     break
     except RuntimeError as error:  # of CasADi, IPOPT or ARPACK
-        return found, last_line(error)
-    return found, ""
+        return optima, last_line(error)
+    return optima, ""
 
 
 class AveragedProgram:
@@ -119,20 +117,11 @@ class AveragedProgram:
             scalars.e - 2 * gamma_v * scalars.mu_v,
             slowest - gamma_v * scalars.e + gamma_v**2 * scalars.mu_v,
             *(flow.decay(direction) / kappa - 1 for direction in _directions(len(slow.eigenvalues))),
-            *_conditions(plant, task.limits, task.conditions, scalars),
+            *_conditions(plant, task.data, task.conditions, scalars),
         ]
-        options = {
-            "ipopt": {
-                "print_level": 0,
-                "sb": "yes",
-                "max_iter": MOST_ITERATIONS,
-                "tol": 1e-4,
-                "max_wall_time": SOLVE_SECONDS,
-            },
-            "print_time": False,
-            "error_on_fail": False,
-        }
-        self._solver = ca.nlpsol("averaged", "ipopt", {"x": logs, "f": ca.log(time), "g": ca.vertcat(*rows)}, options)
+        self._seconds = task.settings.ipopt_seconds
+        problem = {"x": logs, "f": ca.log(time), "g": ca.vertcat(*rows)}
+        self._solver = ca.nlpsol("averaged", "ipopt", problem, _ipopt_options(task.settings))
         low, high = np.log(task.tempo_range)
         self._lower = np.array([*[-9.0] * 5, low, -9.0, -9.0, -12.0, -9.0])
         self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
@@ -140,19 +129,31 @@ class AveragedProgram:
     def solve(self, start: Scalars) -> Optimum | None:
         """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one.
 
-        What it calls an optimum but lies outside its bounds is none. Raises RuntimeError where IPOPT breaks down or the
-        clock runs out.
+        An answer outside the bounds is none, whatever IPOPT calls it. Raises RuntimeError where IPOPT breaks down or
+        its time runs out.
         """
         x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)
         solution = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=math.inf)
-        stats = self._solver.stats()
-        if stats["return_status"] == "Maximum_WallTime_Exceeded":
-            raise RuntimeError(f"IPOPT found no answer within {SOLVE_SECONDS:g} s")
-        found, value = np.asarray(solution["x"]).ravel(), float(solution["f"])
-        inside = np.all((self._lower - SLACK <= found) & (found <= self._upper + SLACK))  # NaN is not
-        if not stats["success"] or not inside or not abs(value) < LARGEST:
+        optimal = ipopt_finds_optimum(self._solver.stats(), self._seconds)
+        point, value = np.asarray(solution["x"]).ravel(), float(solution["f"])
+        inside = np.all((self._lower - SLACK <= point) & (point <= self._upper + SLACK))  # NaN is not
+        if not optimal or not inside or not abs(value) < LARGEST:
             return None
-        return Scalars.from_logarithms(found[:6]), math.exp(value)
+        return Scalars.from_logarithms(point[:6]), math.exp(value)
+
+
+def _ipopt_options(settings: Settings) -> dict[str, Any]:
+    return {
+        "ipopt": {
+            "print_level": 0,
+            "sb": "yes",
+            "max_iter": settings.ipopt_iterations,
+            "tol": 1e-4,
+            "max_wall_time": settings.ipopt_seconds,
+        },
+        "print_time": False,
+        "error_on_fail": False,
+    }
 
 
 class _Flow:
@@ -207,21 +208,20 @@ def _approach(scalars: Scalars, distance: float) -> Any:
     return swings + distance * scalars.e
 
 
-def _conditions(plant: Plant, limits: ConditionData, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
+def _conditions(plant: Plant, data: ConditionData, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
     """Every condition as an expression that must be >= 0, relative to its large side, for every kind of vehicle.
 
     With structured gains the degree cancels in each of them: vehicles of one kind share their conditions.
     """
-    kinds = np.stack([plant.m, plant.inertia, limits.r, limits.arm, limits.torque, limits.speed, limits.turn_rate])
+    kinds = np.stack([plant.m, plant.inertia, data.r, data.arm, data.torque, data.speed, data.turn_rate])
     _, first = np.unique(kinds, axis=1, return_index=True)
 
     def of_each_kind(values: Any) -> Any:
         return casadi_column(values[first] if np.ndim(values) else values)
 
-    numbers = limits.map(of_each_kind)
+    numbers = data.map(of_each_kind)
     gains = structured(scalars, of_each_kind(plant.m), of_each_kind(plant.inertia), numbers.degree)
     inequalities = [
-        condition(casadi_numbers(), numbers, gains)
-        for condition in (conditions.torque, *conditions.homogeneous(limits))
+        condition(casadi_numbers(), numbers, gains) for condition in (conditions.torque, *conditions.homogeneous(data))
     ]
     return [INWARD - inequality.small / inequality.large for inequality in inequalities]

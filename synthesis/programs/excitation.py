@@ -8,7 +8,8 @@ import numpy as np
 
 from ...models.errors import UndecidedError
 from ...models.excitation import Excitation
-from .convex import optimal
+from ..settings import FAST
+from .solvers import clarabel_finds_optimum
 
 TONES = 3  # odd harmonics 1, 3, 5
 GRID = 400  # points of a quarter period at which the bound is asked for
@@ -16,12 +17,12 @@ PLACES = 4  # decimal places of an amplitude
 BEYOND = 0.001  # by which |psi| may pass 1 between the points of the grid, and by rounding
 
 
-def flat_tones(count: int = TONES) -> Excitation:
+def flat_tones(seconds: float = FAST.clarabel_seconds, count: int = TONES) -> Excitation:
     """sum_k s_k sin((2k-1) t), k = 1..count, with the largest s_1 for which |psi| <= 1.
 
     The mean and the even harmonics cost psi_bar and move nothing (THEORY section 3), and kappa grows with the square of
     the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are
-    symmetric, so that a quarter period is enough. Raises UndecidedError where Clarabel does not find it.
+    symmetric, so that a quarter period is enough. Raises UndecidedError where Clarabel does not find it in `seconds`.
     """
     import cvxpy as cp
 
@@ -29,7 +30,7 @@ def flat_tones(count: int = TONES) -> Excitation:
     tones = np.sin(np.outer(phase, 2 * np.arange(count) + 1))
     amplitude = cp.Variable(count)
     problem = cp.Problem(cp.Maximize(amplitude[0]), [tones @ amplitude <= 1, tones @ amplitude >= -1])
-    if not optimal(problem):
+    if not clarabel_finds_optimum(problem, seconds):
         raise UndecidedError(f"the program for psi's tones ended as {problem.status!r}; give psi in the fleet file")
     # sin t alone is within the bound, so that s_1 is at least 1, whatever Clarabel calls optimal.
     if amplitude.value[0] < 1 - BEYOND or np.abs(tones @ amplitude.value).max() > 1 + BEYOND:

@@ -11,7 +11,8 @@ from ...models.errors import UndecidedError
 from ...models.fleet import Fleet
 from ...models.fleet_tables import Links
 from ..rounding import decimal_places
-from .convex import optimal
+from ..settings import FAST
+from .solvers import clarabel_finds_optimum
 
 SPREAD = 10.0  # a weight may be divided or multiplied by this
 LARGEST = 1.01 * SPREAD  # beyond, a weight is not what was asked for, whatever Clarabel calls it
@@ -20,12 +21,13 @@ DIGITS = 3  # significant digits of a weight
 DENSE_VEHICLES = 150  # beyond, the semidefinite program takes too long
 
 
-def design_weights(fleet: Fleet) -> Links:
+def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Links:
     """The links with weights, each within SPREAD of the given one, that maximise lambda_min(D^-1/2 L_l D^-1/2).
 
     The slowest mode sets the tail and the exponential rates (THEORY section 3); scaling all weights together changes
     nothing once the gains are designed for them. For a fixed lambda, L_l - lambda D >= 0 is linear in the weights: a
-    bisection on semidefinite programs. Raises UndecidedError where the fleet is too large or Clarabel finds nothing.
+    bisection on semidefinite programs of at most `seconds` each. Raises UndecidedError where the fleet is too large or
+    Clarabel finds nothing.
     """
     if len(fleet) > DENSE_VEHICLES:
         raise UndecidedError(
@@ -35,14 +37,14 @@ def design_weights(fleet: Fleet) -> Links:
     low, high, best = 0.0, 1.0, None
     for _ in range(BISECTIONS):
         middle = (low + high) / 2
-        found = _weights(fleet, middle)
+        found = _weights(fleet, middle, seconds)
         low, high, best = (low, middle, best) if found is None else (middle, high, found)
     if best is None:
         raise UndecidedError("weights = designed: Clarabel found no weights that it calls optimal; use given weights")
     return _links(fleet, *best)
 
 
-def _weights(fleet: Fleet, slowest: float) -> tuple[Any, Any] | None:
+def _weights(fleet: Fleet, slowest: float, seconds: float) -> tuple[Any, Any] | None:
     """(edge weights, leader weights) with lambda_min >= slowest, None where there are none."""
     import cvxpy as cp
 
@@ -59,7 +61,7 @@ def _weights(fleet: Fleet, slowest: float) -> tuple[Any, Any] | None:
     for weight, given in ((edge, graph.weight), (leader, graph.leader_weight[led])):
         constraints += [weight >= given / SPREAD, weight <= given * SPREAD]
     problem = cp.Problem(cp.Maximize(room), constraints)
-    if not optimal(problem) or room.value < 0:
+    if not clarabel_finds_optimum(problem, seconds) or room.value < 0:
         return None
     pairs = ((edge.value, graph.weight), (leader.value, graph.leader_weight[led]))
     within = all(np.all((weight > given / LARGEST) & (weight < given * LARGEST)) for weight, given in pairs)

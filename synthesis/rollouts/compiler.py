@@ -1,4 +1,4 @@
-"""Loops over items and columns, compiled: what CasADi says of one of them, done for all in single precision.
+"""Loops over items and columns, compiled: what CasADi says of one of them, done for all in one precision.
 
 Nothing but sums, products, quotients and roundings, in one order: the same numbers on every processor, and in a column
 the same whatever stands beside it.
@@ -22,8 +22,9 @@ from llvmlite import ir
 from ...models.algebra.ops import Ops, casadi_ops
 from ...models.arrays import Array
 
-Single = np.float32
-REAL, INDEX = ir.FloatType(), ir.IntType(64)
+Single, Double = np.float32, np.float64
+REALS: dict[Any, ir.Type] = {Single: ir.FloatType(), Double: ir.DoubleType()}
+INDEX = ir.IntType(64)
 LARGEST = 6.1  # beyond it tanh counts as what it is there
 
 
@@ -86,12 +87,12 @@ class Compiled:
         return partial(self._call, items, columns, others, *ends, *(arrays[name] for name in self._names))
 
 
-def compiled(loops: Mapping[str, LoopNest]) -> dict[str, Compiled]:
-    """The loops, ready to run."""
+def compiled(loops: Mapping[str, LoopNest], real: Any = Single) -> dict[str, Compiled]:
+    """The loops over numbers of type `real`, ready to run."""
     module = ir.Module("loops")
     module.triple = llvm.get_default_triple()
     for name, loop in loops.items():
-        _write(module, name, loop)
+        _write(module, name, loop, REALS[real])
     engine, found = _engine(str(module)), {}
     for name, loop in loops.items():
         kinds = [ctypes.c_int64] * 3 + [Pointer] * (len(ENDS) + len(_arrays(loop)))
@@ -144,10 +145,10 @@ def _arrays(loop: LoopNest) -> list[str]:
     return list(dict.fromkeys(name for name, _ in (*loop.reads, *loop.writes)))
 
 
-def _write(module: ir.Module, name: str, loop: LoopNest) -> None:
-    """The LLVM function of a loop: for every item, for every column."""
+def _write(module: ir.Module, name: str, loop: LoopNest, real: ir.Type) -> None:
+    """The LLVM function of a loop over numbers of one type: for every item, for every column."""
     arrays = _arrays(loop)
-    kinds = [INDEX] * 3 + [INDEX.as_pointer()] * len(ENDS) + [REAL.as_pointer()] * len(arrays)
+    kinds = [INDEX] * 3 + [INDEX.as_pointer()] * len(ENDS) + [real.as_pointer()] * len(arrays)
     function = ir.Function(module, ir.FunctionType(ir.VoidType(), kinds), name)
     for argument in function.args[3:]:
         argument.add_attribute("noalias")
@@ -166,7 +167,7 @@ def _write(module: ir.Module, name: str, loop: LoopNest) -> None:
         def read(argument: int, k: int) -> ir.Value:
             return builder.load(address(*loop.reads[argument], k))
 
-        for (result, k), value in _results(builder, loop.function, read):
+        for (result, k), value in _results(builder, loop.function, real, read):
             builder.store(value, address(*loop.writes[result], k))
 
     def over_items(item: ir.Value) -> None:
@@ -197,7 +198,7 @@ def _count(builder: ir.IRBuilder, count: ir.Value, body: Callable[[ir.Value], No
 
 
 def _results(
-    builder: ir.IRBuilder, function: ca.Function, read: Callable[[int, int], ir.Value]
+    builder: ir.IRBuilder, function: ca.Function, real: ir.Type, read: Callable[[int, int], ir.Value]
 ) -> list[tuple[tuple[int, int], ir.Value]]:
     """The results of a CasADi function, each with its number and place in it, where `read` gives the arguments."""
     work: dict[int, ir.Value] = {}
@@ -210,18 +211,18 @@ def _results(
         elif kind == ca.OP_INPUT:
             work[into[0]] = read(of[0], of[1])
         elif kind == ca.OP_CONST:
-            work[into[0]] = _constant(function.instruction_constant(number))
+            work[into[0]] = _constant(real, function.instruction_constant(number))
         else:
             work[into[0]] = _OPERATIONS[kind](builder, *(work[k] for k in of))
     return results
 
 
-def _constant(value: float) -> ir.Value:
-    return ir.Constant(REAL, float(Single(value)))
+def _constant(real: ir.Type, value: float) -> ir.Value:
+    return ir.Constant(real, float(Single(value)) if isinstance(real, ir.FloatType) else value)
 
 
 def _intrinsic(builder: ir.IRBuilder, name: str, value: ir.Value) -> ir.Value:
-    return builder.call(builder.module.declare_intrinsic(name, [REAL]), [value])
+    return builder.call(builder.module.declare_intrinsic(name, [value.type]), [value])
 
 
 def _larger(builder: ir.IRBuilder, a: ir.Value, b: ir.Value, sign: str = "<") -> ir.Value:
@@ -236,16 +237,16 @@ _OPERATIONS: dict[int, Callable[..., ir.Value]] = {
     ca.OP_NEG: lambda builder, a: builder.fneg(a),
     ca.OP_SQ: lambda builder, a: builder.fmul(a, a),
     ca.OP_TWICE: lambda builder, a: builder.fadd(a, a),
-    ca.OP_INV: lambda builder, a: builder.fdiv(_constant(1), a),
+    ca.OP_INV: lambda builder, a: builder.fdiv(_constant(a.type, 1), a),
     ca.OP_FABS: lambda builder, a: _intrinsic(builder, "llvm.fabs", a),
     ca.OP_FLOOR: lambda builder, a: _intrinsic(builder, "llvm.floor", a),
     ca.OP_FMAX: _larger,
     ca.OP_FMIN: lambda builder, a, b: _larger(builder, a, b, ">"),
     ca.OP_NOT: lambda builder, a: builder.select(
-        builder.fcmp_ordered("==", a, _constant(0)), _constant(1), _constant(0)
+        builder.fcmp_ordered("==", a, _constant(a.type, 0)), _constant(a.type, 1), _constant(a.type, 0)
     ),
     ca.OP_IF_ELSE_ZERO: lambda builder, a, b: builder.select(
-        builder.fcmp_ordered("!=", a, _constant(0)), b, _constant(0)
+        builder.fcmp_ordered("!=", a, _constant(a.type, 0)), b, _constant(a.type, 0)
     ),
 }
 

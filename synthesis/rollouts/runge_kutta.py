@@ -1,51 +1,81 @@
-"""Initial value problems side by side, each with its own time and step, by Bogacki and Shampine's pair."""
+"""One Runge-Kutta stepper: initial value problems side by side, each with its own time and step, for any tableau.
+
+The rollouts of a design take many problems in single precision with Bogacki and Shampine's pair, the engine for large
+fleets takes one in double precision with Dormand and Prince's.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
-from scipy.integrate import RK23
+from scipy.integrate import RK23, RK45
 
-from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
+from ..settings import Accuracy
+from .compiler import At, Compiled, Double, LoopNest, Single, compiled, pointer
 
 Array = NDArray[Any]
 Rate = Callable[[Array], None]  # of the times (B,), s: writes the slopes where it was told to
 Problem = Callable[[Array, Array], Rate]  # what finds the slopes (..., B) of values (..., B), both to stay in place
 
-SAFETY, SHRINK, GROW = 0.9, 0.2, 4.0
-TIMES = (*RK23.C[1:], 1.0)
+SAFETY, SHRINK = 0.9, 0.2
+SMALLEST, LARGEST = 1e-6, 1e3  # of an error over its bound: smaller and larger ones change the step no more
 
 
-class Accuracy(NamedTuple):
-    """The error that a step may have, in the root mean square over a column, and how long it may be."""
+@dataclass(frozen=True)
+class Tableau:
+    """An embedded pair whose last slope is the first of the next step, with its continuous extension."""
 
-    relative: float
-    absolute: float  # in units of the column
-    longest: float  # s
+    times: tuple[float, ...]  # of the stages after the first, shares of the step
+    stages: tuple[tuple[float, ...], ...]  # weights of the slopes so far; those of the last stage give the solution
+    error: tuple[float, ...]  # weights of all slopes in the error
+    dense: tuple[tuple[float, ...], ...]  # per slope, coefficients of s, s^2, ... at the share s of the step
+    order: int  # of the lower solution
+    grow: float  # the most that a step may grow by
+    real: Any  # of which numbers the values are
 
 
-class Columns:
+def _tableau(method: Any, grow: float, real: Any) -> Tableau:
+    """SciPy's tableau of a method."""
+    stages = [*(row[:i] for i, row in enumerate(method.A[1:], 1)), method.B]
+    return Tableau(
+        times=(*method.C[1:].tolist(), 1.0),
+        stages=tuple(tuple(row.tolist()) for row in stages),
+        error=tuple(method.E.tolist()),
+        dense=tuple(tuple(row) for row in method.P.tolist()),
+        order=method.error_estimator_order,
+        grow=grow,
+        real=real,
+    )
+
+
+BOGACKI_SHAMPINE = _tableau(RK23, 4.0, Single)
+DORMAND_PRINCE = _tableau(RK45, 5.0, Double)
+
+
+class Stepper:
     """Initial value problems side by side: times t and steps h (B,), values y (..., B)."""
 
-    def __init__(self, problem: Problem, t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
+    def __init__(self, tableau: Tableau, problem: Problem, t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
         """Begin at the times t (B,) and values y (..., B) with steps h (B,), s."""
-        self.t, self.h, self.y = t, h, np.ascontiguousarray(y, dtype=Single)
+        real = tableau.real
+        self.t, self.h, self.y = t, h, np.ascontiguousarray(y, dtype=real)
         self.new = self.y.copy()
-        self.slopes = np.empty((1 + len(TIMES), *self.y.shape), Single)
-        self.taken = np.ones(len(t), Single)
-        self.step_length = np.empty(len(t), Single)
-        self._longest, self._error = accuracy.longest, np.zeros(len(t), Single)
+        self.slopes = np.empty((1 + len(tableau.times), *self.y.shape), real)
+        self.taken = np.ones(len(t), real)  # 1 where the last step was good enough, else 0
+        self.step_length = np.empty(len(t), real)
+        self._tableau, self._longest, self._error = tableau, accuracy.longest, np.zeros(len(t), real)
         self._items = self.y[..., :1].size
-        loops = _loops(accuracy)
         arrays = {"y": self.y, "new": self.new, "slopes": self.slopes, "h": self.step_length, "taken": self.taken}
-        pointers = {name: pointer(array) for name, array in {**arrays, "error": self._error}.items()}
+        pointers = {name: pointer(array, real) for name, array in {**arrays, "error": self._error}.items()}
+        loops = _loops(tableau, accuracy)
         bound = {name: loop.bind(self._items, len(t), pointers) for name, loop in loops.items()}
-        self._stages = [bound[f"stage{k}"] for k in range(len(TIMES))]
+        self._stages = [bound[f"stage{k}"] for k in range(len(tableau.times))]
         self._judge, self._accept = bound["judge"], bound["accept"]
         self._rates = [problem(self.new, slope) for slope in self.slopes[1:]]
         self._rates[-1](t)
@@ -57,37 +87,44 @@ class Columns:
         self.accept()
 
     def attempt(self) -> None:
-        """Try a step of every column: where it leads and whether it is taken stands in `new` and `taken`."""
+        """Try a step of every column: `new` is where it leads, `taken` says whether it is good enough."""
         self.step_length[...] = self.h
-        for stage, rate, share in zip(self._stages, self._rates, TIMES, strict=True):
+        for stage, rate, share in zip(self._stages, self._rates, self._tableau.times, strict=True):
             stage()
             rate(self.t + share * self.h)
         self._error[...] = 0
         self._judge()
         # Where it is not a number the step is far too long.
-        self._size = np.maximum(np.fmin(np.sqrt(self._error / max(1, self._items)), 1e3), 1e-6)
+        self._size = np.maximum(np.fmin(np.sqrt(self._error / max(1, self._items)), LARGEST), SMALLEST)
         self.taken[...] = self._size <= 1
 
     def accept(self) -> None:
         """Go on with the steps that are taken, and with another length of step."""
         self._accept()
         self.t = self.t + self.taken * self.h
-        share = SAFETY * self._size ** Single(-1 / 3)
-        self.h = np.minimum(self.h * np.minimum(np.maximum(share, SHRINK), GROW), self._longest)
+        share = SAFETY * self._size ** self._tableau.real(-1 / (self._tableau.order + 1))
+        self.h = np.minimum(self.h * np.minimum(np.maximum(share, SHRINK), self._tableau.grow), self._longest)
+
+    def inside(self, share: float) -> Array:
+        """The solution (..., B) at a share of the step that was tried last and not yet accepted."""
+        weights = np.array(self._tableau.dense) @ share ** np.arange(1, 1 + len(self._tableau.dense[0]))
+        # einsum and not dot: a BLAS would start threads, which on a busy machine cost ten times what they bring.
+        return np.asarray(self.y + self.step_length * np.einsum("k,k...->...", weights, self.slopes))
 
 
 @cache
-def _loops(accuracy: Accuracy) -> dict[str, Compiled]:
+def _loops(tableau: Tableau, accuracy: Accuracy) -> dict[str, Compiled]:
     """What a step does beside finding slopes."""
     y, new, h, taken, error = (ca.SX.sym(name) for name in ("y", "new", "h", "taken", "error"))
-    slopes = ca.SX.sym("slopes", 1 + len(TIMES))
+    slopes = ca.SX.sym("slopes", 1 + len(tableau.times))
     each, column = At.EACH, At.COLUMN
     loops = {}
-    for k, weights in enumerate([*(row[:i] for i, row in enumerate(RK23.A[1:], 1)), RK23.B]):
-        ahead = y + h * ca.dot(slopes[: len(weights)], ca.DM(weights))
+    for k, weights in enumerate(tableau.stages):
+        ahead = y + h * ca.dot(slopes[: len(weights)], ca.DM(list(weights)))
         reads = [("y", each), ("h", column), ("slopes", each)]
         loops[f"stage{k}"] = LoopNest(ca.Function("stage", [y, h, slopes], [ahead]), reads, [("new", each)])
-    wrong = h * ca.dot(slopes, ca.DM(RK23.E)) / (ca.fabs(new) * accuracy.relative + accuracy.absolute)
+    bound = ca.fabs(new) * accuracy.relative + accuracy.absolute
+    wrong = h * ca.dot(slopes, ca.DM(list(tableau.error))) / bound
     loops["judge"] = LoopNest(
         ca.Function("judge", [new, h, slopes, error], [error + wrong * wrong]),
         [("new", each), ("h", column), ("slopes", each), ("error", column)],
@@ -99,4 +136,4 @@ def _loops(accuracy: Accuracy) -> dict[str, Compiled]:
         [("y", each), ("new", each), ("slopes", each), ("taken", column)],
         [("y", each), ("slopes", each)],
     )
-    return compiled(loops)
+    return compiled(loops, tableau.real)

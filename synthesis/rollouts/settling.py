@@ -19,18 +19,11 @@ from ...models.equations import Plant, State
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.tolerance import Tolerance
+from ..settings import FAST, Settings
 from .closed_loop import ClosedLoop, rows
 from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
-from .runge_kutta import Accuracy, Array, Columns
+from .runge_kutta import BOGACKI_SHAMPINE, Array, Stepper
 
-# Enough to rank: test_what_ranks_is_accurate_enough compares the mean settling time with that at tolerances of 1e-8.
-ACCURACY = Accuracy(1e-2, 1e-3, 2.0)
-FIRST_STEP, SHORTEST_STEP = 0.05, 1e-5  # s
-VEHICLES = 16_384  # side by side: more leave the cache
-BETWEEN = 8  # steps between two looks at what is done
-MAX_STEPS = 100_000  # of one rollout
-SECONDS = 600.0  # of wall clock for all
-PIECE = 15.0  # s, or a period of psi: a fleet that stays settled for so long counts as settled
 POSE = 3  # the rows of a state that say where a vehicle is
 
 
@@ -41,8 +34,16 @@ class Trial(NamedTuple):
     excitation: Excitation
 
 
+class Limits(NamedTuple):
+    """How far rollouts go."""
+
+    horizon: float  # s
+    abandon_above: float = math.inf  # s: a trial whose mean settling time is known to lie above is not finished
+    steps: int = FAST.most_steps  # of integration, of one rollout
+
+
 class Settling(NamedTuple):
-    """What one rollout says."""
+    """The outcome of one rollout."""
 
     time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
     excess: float  # the largest error over its tolerance at the end
@@ -55,55 +56,55 @@ def settle_all(
     plant: Plant,
     trials: Sequence[Trial],
     starts: Sequence[State],
-    horizon: float,
+    limits: Limits,
     tolerance: Tolerance,
-    hopeless: float = math.inf,
-    steps: int = MAX_STEPS,
+    settings: Settings = FAST,
 ) -> list[list[Settling | None]]:
-    """How the fleet settles under every trial from every start, by the horizon and in so many steps.
+    """How the fleet settles under every trial from every start, within the limits.
 
-    None stands where the integrator gave up, and where a trial was: once its mean settling time is known to be
-    beyond `hopeless` (s), what still runs of it is left. A rollout does not depend on those beside it.
+    None stands where the integrator gave up, and for what still ran of a trial when it was abandoned. A rollout does
+    not depend on those beside it.
     """
-    batch, deadline = _Batch(plant, trials, starts, horizon, tolerance, hopeless, steps), Deadline(SECONDS)
+    batch = _Batch(plant, trials, starts, limits, tolerance, settings)
+    deadline = Deadline(settings.rollout_seconds)
     while batch.refill() and not deadline.passed:
-        for _ in range(BETWEEN):
+        for _ in range(settings.steps_between_checks):
             batch.step()
         batch.look()
-    return [[batch.found.get((i, k)) for k in range(len(starts))] for i in range(len(trials))]
+    return [[batch.settled.get((i, k)) for k in range(len(starts))] for i in range(len(trials))]
 
 
 class _Batch:
-    """The columns at work, those that wait, and what has been found."""
+    """The columns at work, those that wait, and the outcomes so far."""
 
     def __init__(
         self,
         plant: Plant,
         trials: Sequence[Trial],
         starts: Sequence[State],
-        horizon: float,
+        limits: Limits,
         tolerance: Tolerance,
-        hopeless: float,
-        steps: int,
+        settings: Settings,
     ) -> None:
-        self.found: dict[tuple[int, int], Settling] = {}  # by trial and start
-        self._horizon, self._most, self._hopeless = horizon, steps, hopeless * len(starts)
-        self._width = max(1, VEHICLES // plant.graph.vehicles)
+        self.settled: dict[tuple[int, int], Settling] = {}  # by trial and start
+        self._limits, self._settings = limits, settings
+        self._abandon_above = limits.abandon_above * len(starts)  # s, of the sum over the starts
+        self._width = max(1, settings.simulated_vehicles // plant.graph.vehicles)
         self._closed_loop = ClosedLoop(plant, trials[0].excitation)
         self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
         self._starts = _stacked(State._fields, starts)
         self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
-        self._hold = np.maximum(PIECE, 2 * math.pi / self._frequency)
+        self._hold = np.maximum(settings.settled_for, 2 * math.pi / self._frequency)
         reference = plant.offset_x + plant.leader_x, plant.offset_y + plant.leader_y
         self._goal = rows([*reference, plant.leader_theta], plant.graph.vehicles)
         self._within = rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
-        # Start after start, so that what is hopeless shows before all of its starts are run.
+        # Start after start, so that a trial can be abandoned before all of its starts are run.
         self._trial = np.tile(np.arange(len(trials)), len(starts))
         self._start = np.repeat(np.arange(len(starts)), len(trials))
         self._outside = np.zeros(len(self._trial))  # s, when each was last seen outside the tolerance
         self._waiting = np.arange(len(self._trial))
         self._at = self._waiting[:0]  # the number of each column
-        self._columns = self._side_by_side(np.zeros(0), self._starts[..., :0], np.zeros(0))
+        self._stepper = self._side_by_side(np.zeros(0), self._starts[..., :0], np.zeros(0))
         self._steps = self._excess = self._last = np.zeros(0)
 
     def refill(self) -> bool:
@@ -117,69 +118,69 @@ class _Batch:
 
     def step(self) -> None:
         """One step of every column, and a look at where it is and where it was halfway."""
-        columns, t = self._columns, self._columns.t
-        columns.attempt()
+        stepper, t = self._stepper, self._stepper.t
+        stepper.attempt()
         self._furthest[...] = 0
         self._observe()
-        columns.accept()
-        taken = columns.taken > 0
+        stepper.accept()
+        taken = stepper.taken > 0
         there, halfway = self._furthest
         self._excess = np.where(taken, there, self._excess)
-        self._last = np.where(taken & (halfway > 1), (t + columns.t) / 2, self._last)
-        self._last = np.where(self._excess > 1, columns.t, self._last)
+        self._last = np.where(taken & (halfway > 1), (t + stepper.t) / 2, self._last)
+        self._last = np.where(self._excess > 1, stepper.t, self._last)
         self._steps += 1
 
     def look(self) -> None:
-        """Take out what has settled, what has not by the horizon, what gave up, and what is hopeless."""
-        columns, trial = self._columns, self._trial[self._at]
+        """Take out what has settled, what has not by the horizon, what gave up, and what is abandoned."""
+        stepper, trial, horizon = self._stepper, self._trial[self._at], self._limits.horizon
         last = self._outside[self._at] = self._last
-        settled = columns.t - last > self._hold[trial]
-        late = (columns.t >= self._horizon) | (self._steps >= self._most)
-        stalled = columns.h < SHORTEST_STEP
+        settled = stepper.t - last > self._hold[trial]
+        late = (stepper.t >= horizon) | (self._steps >= self._limits.steps)
+        stalled = stepper.h < self._settings.shortest_step
         for place in np.flatnonzero((settled | late) & ~stalled):
             key = int(trial[place]), int(self._start[self._at[place]])
             time = float(last[place]) if settled[place] else math.inf
-            final = State(*columns.y[..., place].astype(float))
-            excess, end, steps = math.sqrt(self._excess[place]), float(columns.t[place]), int(self._steps[place])
-            self.found[key] = Settling(time, excess, end, final, steps)
-        self._outside[self._at[stalled | (late & ~settled)]] = self._horizon
-        least = np.bincount(self._trial, np.minimum(self._outside, self._horizon))
-        hopeless = least > self._hopeless
-        self._waiting = self._waiting[~hopeless[self._trial[self._waiting]]]
-        stay = ~(settled | late | stalled | hopeless[trial])
+            final = State(*stepper.y[..., place].astype(float))
+            excess, end, steps = math.sqrt(self._excess[place]), float(stepper.t[place]), int(self._steps[place])
+            self.settled[key] = Settling(time, excess, end, final, steps)
+        self._outside[self._at[stalled | (late & ~settled)]] = horizon
+        abandoned = np.bincount(self._trial, np.minimum(self._outside, horizon)) > self._abandon_above
+        self._waiting = self._waiting[~abandoned[self._trial[self._waiting]]]
+        stay = ~(settled | late | stalled | abandoned[trial])
         if not stay.all():
             self._renew(stay, self._waiting[:0])
 
     def _renew(self, stay: Array, new: Array) -> None:
         """Go on with the columns that stay, and new ones beside them."""
-        old, zeros = self._columns, np.zeros(len(new))
+        old, zeros = self._stepper, np.zeros(len(new))
         self._at = np.concatenate([self._at[stay], new])
-        t, h = np.concatenate([old.t[stay], zeros]), np.concatenate([old.h[stay], zeros + FIRST_STEP])
+        t, h = np.concatenate([old.t[stay], zeros]), np.concatenate([old.h[stay], zeros + self._settings.first_step])
         y = np.concatenate([old.y[..., stay], self._starts[..., self._start[new]]], axis=-1)
-        self._columns = self._side_by_side(t, y, h)
+        self._stepper = self._side_by_side(t, y, h)
         self._steps = np.concatenate([self._steps[stay], zeros])
         self._last = np.concatenate([self._last[stay], zeros])
         self._excess = np.concatenate([self._excess[stay], zeros + math.inf])
 
-    def _side_by_side(self, t: Array, y: Array, h: Array) -> Columns:
+    def _side_by_side(self, t: Array, y: Array, h: Array) -> Stepper:
         """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
         trial = self._trial[self._at]
         gains = np.ascontiguousarray(self._gains[..., trial])
-        columns = Columns(self._closed_loop.problem(gains, self._frequency[trial]), t, y, h, ACCURACY)
+        problem = self._closed_loop.problem(gains, self._frequency[trial])
+        stepper = Stepper(BOGACKI_SHAMPINE, problem, t, y, h, self._settings.accuracy)
         self._furthest = np.empty((2, len(t)), Single)
         observed = {
-            "pose": columns.y[:POSE],
-            "new": columns.new[:POSE],
-            "slope": columns.slopes[0, :POSE],
-            "ahead": columns.slopes[-1, :POSE],
-            "h": columns.step_length,
+            "pose": stepper.y[:POSE],
+            "new": stepper.new[:POSE],
+            "slope": stepper.slopes[0, :POSE],
+            "ahead": stepper.slopes[-1, :POSE],
+            "h": stepper.step_length,
             "goal": self._goal,
             "within": self._within,
             "furthest": self._furthest,
         }
         pointers = {name: pointer(array) for name, array in observed.items()}
         self._observe = _distances().bind(y.shape[1], len(t), pointers)
-        return columns
+        return stepper
 
 
 @cache
@@ -215,6 +216,6 @@ def _distances() -> Compiled:
 
 
 def _stacked(names: Sequence[str], items: Sequence[Any]) -> Array:
-    """The columns of those names of every item, (names, N, items)."""
+    """The attributes of those names of every item, (names, N, items)."""
     columns = [[np.asarray(getattr(item, name), dtype=Single) for item in items] for name in names]
     return np.ascontiguousarray(np.moveaxis(np.array(columns), 1, 2))

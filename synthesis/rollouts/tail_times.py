@@ -12,7 +12,8 @@ from ...models.equations import Plant
 from ...models.errors import UndecidedError
 from ...models.tolerance import Tolerance
 from ..rates import CrossTrack, Floats, heading_coefficients, track_coefficients
-from .runge_kutta import Accuracy, Columns, Rate
+from ..settings import Accuracy
+from .runge_kutta import BOGACKI_SHAMPINE, Rate, Stepper
 from .settling import Trial
 
 DENSE_VEHICLES = 40  # up to here the responses of all trials are inverted and kept side by side
@@ -53,15 +54,15 @@ def _together(tracks: CrossTrack, y: Floats, tolerance: Tolerance) -> Floats:
     def problem(y: Floats, slope: Floats) -> Rate:
         return lambda _: np.copyto(slope, -tracks.flow(y))
 
-    columns = Columns(problem, np.zeros(width), y, first, ACCURACY)
+    stepper = Stepper(BOGACKI_SHAMPINE, problem, np.zeros(width), y, first, ACCURACY)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         now = closeness(y)
         times = np.where(now >= 1, 0.0, math.inf)
         for left in reversed(range(STEPS)):
-            begin, before = columns.t, now
-            columns.step()
-            now = closeness(columns.y.astype(float))
-            reached = begin + (1 - before) * (columns.t - begin) / (now - before)
+            begin, before = stepper.t, now
+            stepper.step()
+            now = closeness(stepper.y.astype(float))
+            reached = begin + (1 - before) * (stepper.t - begin) / (now - before)
             news = np.isinf(times) & (now > before) & ((now >= 1) | (left == 0))
             times = np.where(news, reached, times)
             if np.isfinite(times).all():

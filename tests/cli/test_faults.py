@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from concurrent.futures import Executor, Future
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -28,33 +29,29 @@ from gaincert.models.files.templates import template_text
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet, paper_gains
-from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis import design as design_module
 from gaincert.synthesis import rates
-from gaincert.synthesis.design import Design, design, prepare
+from gaincert.synthesis.design import FALLBACK, Design, candidates, design
 from gaincert.synthesis.programs import averaged
-from gaincert.synthesis.programs import channels as convex
-from gaincert.synthesis.programs import convex as program
 from gaincert.synthesis.programs.excitation import flat_tones
+from gaincert.synthesis.programs.rates import convex_designs
 from gaincert.synthesis.programs.weights import SPREAD, design_weights
 from gaincert.synthesis.rollouts import closed_loop as compiled_loop
 from gaincert.synthesis.rounding import rounded
-from gaincert.synthesis.search import search as search_module
+from gaincert.synthesis.search.search import search
+from gaincert.synthesis.settings import FAST, Settings
+from gaincert.synthesis.task import Options, Task, prepare
 from gaincert.verify.simulation import cvodes as rollout
 from gaincert.verify.simulation.simulate import simulate
 
 from tests.campaigns import faults
 
+SHORT = replace(FAST, ranking_starts=1, generations=1, training_starts=1, heldout_starts=1)
 PSI = '[excitation]\nfamily = "harmonics"\nfrequency = 1\nmean = 0\nsin = [1]\n'
 
 
 @pytest.fixture
-def fleet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Fleet:
-    """Two robots with a psi of their own; what is done with the candidates is kept short."""
-    monkeypatch.setattr(design_module, "RANKING_STARTS", 1)
-    monkeypatch.setattr(design_module, "FINAL_STARTS", 1, raising=False)
-    monkeypatch.setattr(search_module, "GENERATIONS", 1)
-    monkeypatch.setattr(search_module, "SHORT_STARTS", 1)
+def fleet(tmp_path: Path) -> Fleet:
+    """Two robots with a psi of their own."""
     path = tmp_path / "fleet.toml"
     path.write_text(template_text("line", 2) + "\n" + PSI)
     return load(path)
@@ -62,14 +59,14 @@ def fleet(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Fleet:
 
 def designed(fleet: Fleet) -> Design:
     """A design under (16*); its exact conditions hold, whatever the solvers did."""
-    made = design(fleet, conditions="corrected")
+    made = design(fleet, conditions="corrected", settings=SHORT)
     assert all(np.all(inequality.holds) for inequality in made.inequalities())
     assert all(value > 0 for name in GAIN_NAMES for value in getattr(made.gains, name))
     return made
 
 
-def task_of(fleet: Fleet) -> Any:
-    return prepare(fleet, "corrected", None, 0, 4, Tolerance())
+def task_of(fleet: Fleet, settings: Settings = SHORT) -> Task:
+    return prepare(fleet, Options("corrected"), settings)
 
 
 # -- Clarabel ---------------------------------------------------------------------------------------------------------
@@ -128,14 +125,14 @@ def clarabel(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 def test_without_clarabel_the_averaged_program_takes_over(
     clarabel: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
 ) -> None:
-    candidates, _ = design_module._candidates(task_of(fleet))
-    assert "averaged program" in {candidate.origin for candidate in candidates}
-    for candidate in candidates:
+    proposed, _ = candidates(task_of(fleet))
+    assert "averaged program" in {candidate.origin for candidate in proposed}
+    for candidate in proposed:
         conditions = condition_set("corrected")
-        exact = rounded(conditions, task_of(fleet).exact, candidate.gains.map(lambda g: g.astype(float)), 6)
+        exact = rounded(conditions, task_of(fleet).exact_data, candidate.gains.map(lambda g: g.astype(float)), 6)
         assert all(value > 0 for name in GAIN_NAMES for value in getattr(exact, name))
     if clarabel not in ("huge", "tiny"):  # gains that are slow, but within the conditions
-        assert "convex programs" not in {candidate.origin for candidate in candidates}
+        assert "convex programs" not in {candidate.origin for candidate in proposed}
         assert "convex programs: left out" in caplog.text
 
 
@@ -213,8 +210,8 @@ def ipopt(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> st
 def test_without_ipopt_the_convex_programs_take_over(
     ipopt: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
 ) -> None:
-    candidates, horizon = design_module._candidates(task_of(fleet))
-    assert {candidate.origin for candidate in candidates} == {"convex programs"}
+    proposed, horizon = candidates(task_of(fleet))
+    assert {candidate.origin for candidate in proposed} == {"convex programs"}
     assert math.isfinite(horizon)
     assert "averaged program: left out" in caplog.text
     assert ("it broke down" in caplog.text) == (ipopt == "error")
@@ -267,9 +264,9 @@ def test_without_cma_the_programs_candidates_are_ranked(
 
     monkeypatch.setattr(cma, "CMAEvolutionStrategy", broken)
     task = task_of(fleet)
-    candidates = [task.candidate("here", design_module.FALLBACK)]
-    found = search_module.search(task, candidates, 100.0, 10.0, True, None, lambda *_: None)
-    assert found == candidates
+    incumbents = [task.candidate("here", FALLBACK)]
+    found = search(task, incumbents, 100.0, None, lambda *_: None)
+    assert found == incumbents
     assert f"time-domain search: broken off: {kind.__name__}: it broke down" in caplog.text
 
 
@@ -285,10 +282,9 @@ def test_what_cma_has_found_is_kept_where_it_breaks_down(
         whole(strategy, points, values)
 
     monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", tell_once)
-    monkeypatch.setattr(search_module, "GENERATIONS", 2)
-    task = task_of(fleet)
-    incumbents = [task.candidate("here", design_module.FALLBACK)]
-    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    task = task_of(fleet, replace(SHORT, generations=2))
+    incumbents = [task.candidate("here", FALLBACK)]
+    found = search(task, incumbents, 60.0, None, lambda *_: None)
     assert len(found) > len(incumbents)
     assert found[-1:] == incumbents
     assert "time-domain search: broken off: ValueError: it broke down" in caplog.text
@@ -299,8 +295,8 @@ def test_scalars_that_leave_no_gains_are_of_no_use_and_end_nothing(
     failing: int, fleet: Fleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     task = task_of(fleet)
-    incumbents = [task.candidate("here", design_module.FALLBACK)]
-    made, whole = [], design_module.Task.candidate
+    incumbents = [task.candidate("here", FALLBACK)]
+    made, whole = [], Task.candidate
 
     def rounds(task: Any, origin: str, scalars: Any) -> Any:
         made.append(scalars)
@@ -308,8 +304,8 @@ def test_scalars_that_leave_no_gains_are_of_no_use_and_end_nothing(
             raise UndecidedError("rounding to 4 digits breaks (16*)")
         return whole(task, origin, scalars)
 
-    monkeypatch.setattr(design_module.Task, "candidate", rounds)
-    found = search_module.search(task, incumbents, 60.0, 600.0, True, None, lambda *_: None)
+    monkeypatch.setattr(Task, "candidate", rounds)
+    found = search(task, incumbents, 60.0, None, lambda *_: None)
     assert found[-1:] == incumbents
     assert (len(found) > 1) == (failing == 1)
 
@@ -330,17 +326,15 @@ def test_gains_that_are_not_positive_numbers_are_not_rounded(wrong: float, name:
 # -- the clock --------------------------------------------------------------------------------------------------------
 
 
-def test_clarabel_has_a_clock(fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-    monkeypatch.setattr(program, "SOLVE_SECONDS", 1e-7)
+def test_clarabel_has_a_clock(fleet: Fleet, caplog: pytest.LogCaptureFixture) -> None:
     with pytest.raises(UndecidedError, match="within 1e-07 s"):
-        flat_tones()
-    assert convex.convex_designs(task_of(fleet)) == []
+        flat_tones(1e-7)
+    assert convex_designs(task_of(fleet, replace(SHORT, clarabel_seconds=1e-7))) == []
     assert "convex programs: broken off: Clarabel found no answer within 1e-07 s" in caplog.text
 
 
-def test_ipopt_has_a_clock(fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture) -> None:
-    monkeypatch.setattr(averaged, "SOLVE_SECONDS", 1e-7)
-    assert averaged.local_optima(task_of(fleet), 5.0) == []
+def test_ipopt_has_a_clock(fleet: Fleet, caplog: pytest.LogCaptureFixture) -> None:
+    assert averaged.local_optima(task_of(fleet, replace(SHORT, ipopt_seconds=1e-7)), 5.0) == []
     assert "averaged program: broken off: IPOPT found no answer within 1e-07 s" in caplog.text
 
 

@@ -52,7 +52,9 @@ def test_every_file_that_the_readme_names_is_there() -> None:
 
 def test_the_python_example_runs() -> None:
     """Without the search, which other tests run."""
-    script = f"import gaincert.synthesis.design as part; part.SEARCHED_VEHICLES = 0\n{block('python')}"
+    script = block("python").replace('conditions="corrected")', 'conditions="corrected", settings=UNSEARCHED)', 1)
+    settings = "from dataclasses import replace\nfrom gaincert.synthesis.settings import FAST\n"
+    script = f"{settings}UNSEARCHED = replace(FAST, searched_vehicles=0)\n{script}"
     done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, cwd=ROOT)
     assert done.returncode == 0, done.stderr
     assert "VALID" in done.stdout

@@ -9,8 +9,7 @@ from gaincert.models.files.starts_file import COLUMNS, load_starts
 from gaincert.models.fleet import Fleet
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
-from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis.design import prepare
+from gaincert.synthesis.task import Options, prepare
 
 GOOD = [f"a,v{i},{i},{-i},0.5,0.1,-0.1" for i in range(1, 7)]
 
@@ -85,6 +84,6 @@ def test_a_design_is_validated_from_starts_that_it_has_not_seen() -> None:
     fleet = paper_fleet()
     firsts = [random_starts(fleet, 3, 0, 30.0, draw)[k].x.tolist() for draw in Draw for k in range(3)]
     assert len({tuple(first) for first in firsts}) == 3 * len(Draw)
-    task = prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 60.0)
+    task = prepare(fleet, Options("corrected", "designed", box=60.0))
     seen = [start.x.tolist() for draw in Draw if draw is not Draw.VALIDATION for start in task.starts(draw, 3)]
     assert not any(start.x.tolist() in seen for start in random_starts(fleet, 3, 0, 30.0))

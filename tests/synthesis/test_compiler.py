@@ -17,7 +17,8 @@ from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.rollouts import compiler
 from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
 from gaincert.synthesis.rollouts.compiler import At, LoopNest, Single, compiled, pointer, single_ops
-from gaincert.synthesis.rollouts.runge_kutta import Accuracy, Columns
+from gaincert.synthesis.rollouts.runge_kutta import BOGACKI_SHAMPINE, DORMAND_PRINCE, Stepper, Tableau
+from gaincert.synthesis.settings import Accuracy
 
 SYMBOL = ca.SX.sym
 
@@ -109,18 +110,26 @@ def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) ->
             assert (np.abs(rate - true) <= within).all()
 
 
-def test_columns_follow_their_equation() -> None:
+@pytest.mark.parametrize("tableau", [BOGACKI_SHAMPINE, DORMAND_PRINCE], ids=["single", "double"])
+def test_columns_follow_their_equation(tableau: Tableau) -> None:
     """y' = -rate y, from every rate its own steps."""
     rates = np.geomspace(0.01, 10, 20)
 
     def problem(y: np.ndarray, slope: np.ndarray):
         return lambda _: np.copyto(slope, -rates * y)
 
-    columns = Columns(problem, np.zeros(20), np.ones((3, 20)), np.full(20, 0.01), Accuracy(1e-5, 1e-7, math.inf))
+    accuracy, first = Accuracy(1e-5, 1e-7, math.inf), np.full(20, 0.01)
+    stepper = Stepper(tableau, problem, np.zeros(20), np.ones((3, 20)), first, accuracy)
     for _ in range(80):
-        columns.step()
-    assert columns.t[0] > 10 * columns.t[-1] > 0
-    assert columns.y == pytest.approx(np.tile(np.exp(-rates * columns.t), (3, 1)), abs=1e-4)
+        stepper.step()
+    assert stepper.t[0] > 10 * stepper.t[-1] > 0
+    assert stepper.y.dtype == tableau.real
+    assert stepper.y == pytest.approx(np.tile(np.exp(-rates * stepper.t), (3, 1)), abs=1e-4)
+    stepper.attempt()
+    halfway = np.exp(-rates * (stepper.t + stepper.h / 2))
+    assert stepper.inside(0.5)[:, stepper.taken > 0] == pytest.approx(
+        np.tile(halfway, (3, 1))[:, stepper.taken > 0], abs=1e-4
+    )
 
 
 def test_a_plain_processor_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,6 +4,7 @@ import math
 import time
 from collections.abc import Iterator
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
+from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 from typing import Any
@@ -21,17 +22,21 @@ from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.parallel import local
 from gaincert.synthesis import design as design_module
-from gaincert.synthesis.cost import Run, measure
-from gaincert.synthesis.design import FALLBACK, FINAL_STARTS, RANKED_VEHICLES, Task, design, prepare
+from gaincert.synthesis.cost import Run
+from gaincert.synthesis.design import FALLBACK, design
+from gaincert.synthesis.measurement import Job, measure
 from gaincert.synthesis.modes import modes
-from gaincert.synthesis.programs.convex import fastest, nearest, rotation, translation
+from gaincert.synthesis.programs.cones import nearest
 from gaincert.synthesis.programs.excitation import flat_tones
+from gaincert.synthesis.programs.rates import fastest, rotation, translation
 from gaincert.synthesis.programs.weights import design_weights
 from gaincert.synthesis.rates import exponential_rate, heading_coefficients, track_coefficients
-from gaincert.synthesis.rollouts.settling import MAX_STEPS
+from gaincert.synthesis.rollouts.settling import Limits
 from gaincert.synthesis.rounding import floor_digits, rounded
 from gaincert.synthesis.scaled_gains import Scalars, structured, within
-from gaincert.synthesis.search import search as search_module
+from gaincert.synthesis.search import ranking
+from gaincert.synthesis.settings import BEST, FAST, Settings
+from gaincert.synthesis.task import Options, Task, prepare
 
 SETS = list(CONDITION_SETS)
 
@@ -148,16 +153,22 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
     start = fleet.start()
     assert start is not None
     starts = [start, *random_starts(fleet, 4, seed=1234)]
-    (measured,) = measure((fleet.plant(), [made], starts, 2 * other_limit, Tolerance(), math.inf, MAX_STEPS))  # type: ignore[list-item]
+    limits = Limits(2 * other_limit)
+    (measured,) = measure(Job(fleet.plant(), [made], starts, limits, Tolerance(), FAST))  # type: ignore[list-item]
     times = [run.time for run in measured]
     assert times[0] < own_limit
     assert max(times) < other_limit
 
 
 @pytest.mark.slow
-def test_the_same_seed_gives_the_same_gains(limited: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(search_module, "GENERATIONS", 1)
-    first, second = (design(limited, conditions="rate-bounded", excitation="designed", seed=3) for _ in range(2))
+def test_the_same_seed_gives_the_same_gains(limited: Fleet) -> None:
+    asked = {
+        "conditions": "rate-bounded",
+        "excitation": "designed",
+        "seed": 3,
+        "settings": replace(FAST, generations=1),
+    }
+    first, second = (design(limited, **asked) for _ in range(2))  # type: ignore[arg-type]
     assert all(np.array_equal(getattr(first.gains, key), getattr(second.gains, key)) for key in GAIN_NAMES)
     assert first.excitation == second.excitation
     assert {inequality.source for inequality in first.inequalities()} >= {
@@ -201,29 +212,26 @@ def test_gains_map_keeps_the_names() -> None:
     assert doubled.p_v[0] == 112
 
 
-def test_an_interrupt_of_the_last_choice_keeps_the_one_before(
+def test_an_interrupt_of_the_final_ranking_keeps_the_one_before(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     """Ten minutes of search are not lost to an interrupt in the half minute after."""
-    first = SimpleNamespace(gains=paper_gains(), origin="before")
+    task = prepare(paper_fleet(), Options("corrected", "designed"), BEST)
 
-    def rank(task: Task, candidates: list[Any], starts: list[Any], *_: Any, **__: Any) -> Any:
-        if len(starts) > FINAL_STARTS + 1:
+    def rank(_task: Task, candidates: list[Any], starts: list[Any], *_: Any) -> Any:
+        if len(starts) > FAST.ranking_starts + 1:
             raise KeyboardInterrupt
-        assert len(starts) <= RANKED_VEHICLES // len(task.fleet)
-        first.excitation = candidates[0].excitation
-        return [first], [7.0, 9.0]
+        assert len(starts) <= FAST.ranked_vehicles // len(task.fleet)
+        return candidates, [7.0, 9.0]
 
-    monkeypatch.setattr(design_module, "_candidates", lambda task, _: ([task.candidate("here", FALLBACK)], 300.0))
-    monkeypatch.setattr(design_module, "rank", rank)
-    monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
-    made = design(paper_fleet(), conditions="corrected", excitation="designed", mode="best")
-    assert (made.origin, made.settling) == ("before", (7.0, 9.0))
-    assert "last choice: interrupted; the one from 2 starts is kept" in caplog.text
+    monkeypatch.setattr(ranking, "rank", rank)
+    ranked = ranking.rank_finally(task, ["before"], True, 300.0, None, lambda *_: None)  # type: ignore[list-item]
+    assert ranked == (["before"], [7.0, 9.0])
+    assert "final ranking: interrupted; the best from 2 starts is kept" in caplog.text
 
 
 def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.MonkeyPatch) -> None:
-    task = SimpleNamespace()
+    task = SimpleNamespace(settings=FAST)
 
     def measured(*_: Any) -> Iterator[list[Run]]:
         yield [Run(3.0, 0.5)]
@@ -231,9 +239,9 @@ def test_an_interrupt_of_a_ranking_keeps_what_is_measured(monkeypatch: pytest.Mo
         raise KeyboardInterrupt
 
     def ranked(**options: bool) -> Any:
-        return design_module.rank(task, [1, 2, 3], [], 10.0, None, lambda *_: None, **options)  # type: ignore[arg-type,list-item]
+        return ranking.rank(task, [1, 2, 3], [], 10.0, None, lambda *_: None, **options)  # type: ignore[arg-type,list-item]
 
-    monkeypatch.setattr(design_module, "measure_all", measured)
+    monkeypatch.setattr(ranking, "measure_all", measured)
     assert ranked(keep=True) == ([2, 1], [2.0])
     with pytest.raises(KeyboardInterrupt):
         ranked()
@@ -243,33 +251,34 @@ def test_candidates_are_simulated_until_the_first_settles_from_every_start(monke
     """A short tail puts one first that does not settle in a short horizon: another that does must not end it all."""
     horizons: list[float] = []
 
-    def measured(_task: Any, _candidates: Any, _starts: Any, horizon: float, *_: Any) -> Iterator[list[Run]]:
-        horizons.append(horizon)
+    def measured(_task: Any, _candidates: Any, _starts: Any, limits: Limits, *_: Any) -> Iterator[list[Run]]:
+        horizons.append(limits.horizon)
         yield [Run(10.0, 0.5, tail=1e5), Run(12.0, 0.5, tail=1e5)]
-        times = [11.0 if horizon > 30 else math.inf, 40.0 if horizon > 40 else math.inf]
+        times = [11.0 if limits.horizon > 30 else math.inf, 40.0 if limits.horizon > 40 else math.inf]
         yield [Run(time, 2.0, tail=0.1) for time in times]
 
-    monkeypatch.setattr(design_module, "measure_all", measured)
-    task: Any = SimpleNamespace()
-    ranked, times = design_module.rank(task, ["slow tail", "later"], [], 640.0, None, lambda *_: None)  # type: ignore[list-item]
+    monkeypatch.setattr(ranking, "measure_all", measured)
+    task: Any = SimpleNamespace(settings=FAST)
+    ranked, times = ranking.rank(task, ["slow tail", "later"], [], 640.0, None, lambda *_: None)  # type: ignore[list-item]
     assert horizons == [10.0, 40.0, 160.0]
     assert (ranked, times) == (["later", "slow tail"], [11.0, 40.0])
 
 
-@pytest.mark.parametrize("mode", ["fast", "best"])
-def test_only_a_long_search_is_kept_from_an_interrupt(mode: str, monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("settings", "keeps"), [(FAST, [False]), (BEST, [True, False])])
+def test_only_a_long_search_is_kept_from_an_interrupt(
+    settings: Settings, keeps: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The final ranking of mode best has the ranking before it to fall back on."""
     kept = []
 
-    def rank(_task: Any, candidates: list[Any], *_: Any, keep: bool = False) -> tuple[list[Any], list[float]]:
-        kept.append(keep)
-        return candidates, [7.0]
+    def rank(*arguments: Any) -> tuple[list[Any], list[float]]:
+        kept.append(len(arguments) > 6 and arguments[6])
+        return [], [7.0]
 
-    monkeypatch.setattr(design_module, "_candidates", lambda task, _: ([task.candidate("here", FALLBACK)], 300.0))
-    monkeypatch.setattr(design_module, "rank", rank)
-    monkeypatch.setattr(search_module, "search", lambda _task, ranked, *_: ranked)
-    design(paper_fleet(), conditions="corrected", excitation="designed", mode=mode)
-    # The last choice of mode "best" has the ranking before it to fall back on.
-    assert kept == ([True, False] if mode == "best" else [False])
+    monkeypatch.setattr(ranking, "rank", rank)
+    task = prepare(paper_fleet(), Options("corrected", "designed"), settings)
+    ranking.rank_finally(task, [], True, 300.0, None, lambda *_: None)
+    assert kept == keeps
 
 
 def test_leaving_a_pool_waits_for_no_work() -> None:
@@ -283,7 +292,7 @@ def test_leaving_a_pool_waits_for_no_work() -> None:
 
 def test_the_convex_programs_may_run_elsewhere_and_change_nothing() -> None:
     """The candidates are the same; where the worker dies the design says so."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
 
     class Elsewhere(ThreadPoolExecutor):
         dies = False
@@ -295,13 +304,13 @@ def test_the_convex_programs_may_run_elsewhere_and_change_nothing() -> None:
         raise BrokenExecutor
 
     with Elsewhere(1) as executor:
-        alone, together = design_module._candidates(task), design_module._candidates(task, executor)
+        alone, together = design_module.candidates(task), design_module.candidates(task, executor)
         executor.dies = True
         with pytest.raises(UndecidedError, match="worker process died"):
-            design_module._candidates(task, executor)
+            design_module.candidates(task, executor)
     broken = SimpleNamespace(submit=die)  # as a pool is from then on
     with pytest.raises(UndecidedError, match="worker process died"):
-        design_module._candidates(task, broken)  # type: ignore[arg-type]
+        design_module.candidates(task, broken)  # type: ignore[arg-type]
     for one, other in zip(alone[0], together[0], strict=True):
         assert one.origin == other.origin
         assert all((a == b).all() for a, b in zip(vars(one.gains).values(), vars(other.gains).values(), strict=True))

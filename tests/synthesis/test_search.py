@@ -19,40 +19,43 @@ from gaincert.models.deadline import Deadline
 from gaincert.models.errors import InputError
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
-from gaincert.models.tolerance import Tolerance
 from gaincert.parallel import local
-from gaincert.synthesis.cost import NEVER, Run, cost, measure_all
-from gaincert.synthesis.design import FALLBACK, _candidates, design, prepare
+from gaincert.synthesis.cost import NEVER, Run, cost
+from gaincert.synthesis.design import FALLBACK, candidates, design
+from gaincert.synthesis.measurement import measure_all
 from gaincert.synthesis.rates import CrossTrack
+from gaincert.synthesis.rollouts.settling import Limits
 from gaincert.synthesis.scaled_gains import Scalars
+from gaincert.synthesis.search import comparison, halving
 from gaincert.synthesis.search import search as search_module
+from gaincert.synthesis.search.candidates import by_scalars, by_separate_gains, distinct
+from gaincert.synthesis.search.cma_run import CmaRun
+from gaincert.synthesis.search.exploration import explore
+from gaincert.synthesis.settings import BEST, FAST, Settings
+from gaincert.synthesis.task import Options, prepare
 
 ROOT = Path(__file__).parents[2]
 GOOD = Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2)  # the paper's fleet settles after a minute
 
 
 @pytest.mark.slow
-def test_the_search_never_ends_worse_than_it_began(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_search_never_ends_worse_than_it_began() -> None:
     """The incumbents are ranked with the finds, on starts that the search has not tuned to; same seed, same gains."""
-    for name in ("BASINS", "ROUNDS", "PATIENCE", "GENERATIONS"):
-        monkeypatch.setattr(search_module, name, 2)
-    # As many as mode "fast" learns from: the worst of the starts below tells an overfitted search.
-    for name in ("TRAINING_STARTS", "OTHER_STARTS"):
-        monkeypatch.setattr(search_module, name, search_module.SHORT_STARTS)
-    monkeypatch.setattr(search_module, "EXPLORED", 12)
-    monkeypatch.setattr(search_module, "ROLES_BASINS", 1)
-    monkeypatch.setattr(search_module, "ROLES_POPULATION", 12)
-    asked = {"conditions": "corrected", "excitation": "designed", "time_limit": 300}
+    few = replace(BEST, seconds=300.0, basins=2, rounds=2, patience=2, generations=2, explored=12, own_gains_basins=1)
+    # As many starts as mode "fast" learns from: the worst of the starts below tells an overfitted search.
+    short = {"training_starts": FAST.training_starts, "heldout_starts": FAST.heldout_starts}
+    few = replace(few, own_gains_population=12, **short)
+    asked = {"conditions": "corrected", "excitation": "designed"}
     with local() as (executor, _):
-        fast = design(paper_fleet(), executor=executor, **asked)  # type: ignore[arg-type]
-        best, again = (design(paper_fleet(), mode="best", executor=executor, **asked) for _ in range(2))  # type: ignore[arg-type]
-        task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+        fast = design(paper_fleet(), settings=replace(FAST, generations=2), executor=executor, **asked)  # type: ignore[arg-type]
+        best, again = (design(paper_fleet(), settings=few, executor=executor, **asked) for _ in range(2))  # type: ignore[arg-type]
+        task = prepare(paper_fleet(), Options("corrected", "designed"))
         starts = random_starts(paper_fleet(), 40, 0)
-        begun, _ = _candidates(task)
-        runs, short, *before = measure_all(task, [best, fast, *begun], starts, 1000.0, executor)  # type: ignore[list-item]
+        begun, _ = candidates(task)
+        runs, other, *before = measure_all(task, [best, fast, *begun], starts, Limits(1000.0), executor)  # type: ignore[list-item]
     assert cost(runs, 1000.0) <= min(cost(one, 1000.0) for one in before)
-    assert max(run.time for run in runs) <= 1.5 * max(run.time for run in short)
-    assert statistics.fmean(run.time for run in runs) <= 1.2 * statistics.fmean(run.time for run in short)
+    assert max(run.time for run in runs) <= 1.5 * max(run.time for run in other)
+    assert statistics.fmean(run.time for run in runs) <= 1.2 * statistics.fmean(run.time for run in other)
     assert all((a == b).all() for a, b in zip(best.gains.__dict__.values(), again.gains.__dict__.values(), strict=True))
 
 
@@ -106,12 +109,12 @@ def test_one_late_start_counts_and_does_not_decide() -> None:
 
 def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
     """Without chance: the same from any starts, whether or not it is run to the end; twice k_alpha shortens it."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate = task.candidate("here", GOOD)
     more = replace(candidate, gains=replace(candidate.gains, k_alpha=2 * candidate.gains.k_alpha))
     tails = [
-        {run.tail for run in next(measure_all(task, [one], task.starts(Draw.TRAINING, count), 1.0, None, hopeless))}
-        for one, count, hopeless in ((candidate, 2, math.inf), (candidate, 5, 0.1), (more, 2, math.inf))
+        {run.tail for run in next(measure_all(task, [one], task.starts(Draw.TRAINING, count), Limits(1.0, most), None))}
+        for one, count, most in ((candidate, 2, math.inf), (candidate, 5, 0.1), (more, 2, math.inf))
     ]
     (tail,), (again,), (shorter,) = tails
     assert tail == again
@@ -122,9 +125,9 @@ def test_the_tail_is_of_the_candidate_and_not_of_its_starts() -> None:
 
 def test_the_tail_is_that_of_the_slowest_shape() -> None:
     """No other shape of 1 m across the track takes much longer to half the tolerance; all vehicles alike take less."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate = task.candidate("here", GOOD)
-    (run, *_) = next(measure_all(task, [candidate], task.starts(Draw.TRAINING, 1), 1.0, None))
+    (run, *_) = next(measure_all(task, [candidate], task.starts(Draw.TRAINING, 1), Limits(1.0), None))
     track = CrossTrack(task.plant, candidate.gains.map(floats), candidate.excitation)
     random = np.random.default_rng(0).standard_normal((6, 20))
     times = [track.time_to(y / np.abs(y).max(), 0.05, 0.05)[0] for y in [np.ones(6), *random.T]]
@@ -142,22 +145,22 @@ def test_settling_later_never_pays() -> None:
         assert cost(later, 1000.0) > cost(runs, 1000.0)
 
 
-def test_a_hopeless_candidate_is_not_run_to_the_end() -> None:
+def test_an_abandoned_candidate_is_not_run_to_the_end() -> None:
     """What is left out counts as never settled, so that it ranks behind every candidate that was run."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 3)
-    whole = next(measure_all(task, [candidate], starts, 60.0, None))
-    cut = next(measure_all(task, [candidate], starts, 60.0, None, hopeless=1.0))
+    whole = next(measure_all(task, [candidate], starts, Limits(60.0), None))
+    cut = next(measure_all(task, [candidate], starts, Limits(60.0, abandon_above=1.0), None))
     assert cut == [NEVER._replace(tail=whole[0].tail)] * 4
     assert cost(cut, 60.0) > cost(whole, 60.0)
 
 
 def test_a_start_on_which_the_integrator_gives_up_takes_no_other_with_it() -> None:
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 2)
-    whole = next(measure_all(task, [candidate], starts, 60.0, None))
+    whole = next(measure_all(task, [candidate], starts, Limits(60.0), None))
     starts[1] = starts[1]._replace(v=np.full(6, np.nan))
-    assert next(measure_all(task, [candidate], starts, 60.0, None)) == [
+    assert next(measure_all(task, [candidate], starts, Limits(60.0), None)) == [
         whole[0],
         NEVER._replace(tail=whole[0].tail),
         whole[2],
@@ -166,36 +169,41 @@ def test_a_start_on_which_the_integrator_gives_up_takes_no_other_with_it() -> No
 
 def test_steps_are_counted_and_bounded() -> None:
     """A rollout that runs out of steps has not settled, and says how far away it ended."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate, starts = task.candidate("here", GOOD), task.starts(Draw.TRAINING, 2)
-    whole = next(measure_all(task, [candidate], starts, 1000.0, None))
-    cut = next(measure_all(task, [candidate], starts, 1000.0, None, steps=100))
+    whole = next(measure_all(task, [candidate], starts, Limits(1000.0), None))
+    cut = next(measure_all(task, [candidate], starts, Limits(1000.0, steps=100), None))
     assert all(run.time < 1000.0 and run.steps > 100 for run in whole)
     assert all(run.time == math.inf and 1 < run.excess < math.inf and 100 <= run.steps < 200 for run in cut)
 
 
 def test_the_search_begins_in_basins_that_differ() -> None:
     near, far = (replace(FALLBACK, e=value) for value in (FALLBACK.e * 1.1, FALLBACK.e * 3))
-    candidates = [SimpleNamespace(scalars=scalars) for scalars in (FALLBACK, None, near, far)]
-    assert search_module._distinct(candidates) == [FALLBACK, far]
+    begins = [SimpleNamespace(scalars=scalars) for scalars in (FALLBACK, None, near, far)]
+    assert distinct(begins, FAST.basin_distance) == [FALLBACK, far]  # type: ignore[arg-type]
+
+
+def fewer(**changes: Any) -> Settings:
+    """FAST with one random start for each purpose."""
+    return replace(FAST, training_starts=0, heldout_starts=0, **changes)
 
 
 def test_random_scalars_are_tried_around_the_incumbents(monkeypatch: pytest.MonkeyPatch) -> None:
     """All of them come back, least cost first, the incumbents too; the same seed tries the same."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    task = prepare(paper_fleet(), Options("corrected", "designed"), fewer(explored=50))
     incumbent = task.candidate("here", FALLBACK)
 
     def found() -> list[Any]:
-        trials = search_module._Trials(task, task.starts(Draw.TRAINING, 1), [], 60.0, None)
+        trials = comparison.Comparison(task, 60.0, None)
         monkeypatch.setattr(trials, "explored", lambda batch: [(abs(one.scalars.e - 1.0), one) for one in batch])
-        return search_module._explored(trials, [incumbent], 50, Deadline(100.0), lambda *_: None)
+        return explore(trials, [incumbent], Deadline(100.0), lambda *_: None)
 
-    candidates = found()
-    distances = [abs(candidate.scalars.e - 1.0) for candidate in candidates]
-    assert incumbent in candidates
-    assert len(candidates) == 51
+    tried = found()
+    distances = [abs(candidate.scalars.e - 1.0) for candidate in tried]
+    assert incumbent in tried
+    assert len(tried) == 51
     assert distances == sorted(distances)
-    assert [one.scalars for one in candidates] == [one.scalars for one in found()]
+    assert [one.scalars for one in tried] == [one.scalars for one in found()]
 
 
 def test_the_better_half_of_the_runs_goes_on(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -205,20 +213,19 @@ def test_the_better_half_of_the_runs_goes_on(monkeypatch: pytest.MonkeyPatch) ->
         for run in going:
             run.advances += 1
 
-    monkeypatch.setattr(search_module, "_advance", advance)
-    search_module._halve(None, runs, 1, 5, Deadline(100.0), lambda *_: None)  # type: ignore[arg-type]
+    monkeypatch.setattr(halving, "advance", advance)
+    trials: Any = SimpleNamespace(settings=replace(FAST, rounds=5))
+    halving.halve(trials, runs, Deadline(100.0), lambda *_: None)  # type: ignore[arg-type]
     assert [run.advances for run in runs] == [2, 5, 1, 3, 1]
 
 
 @pytest.mark.parametrize(("step", "gain", "advances"), [(0.12, 0.01, [3, 9, 3, 6]), (0.0, 0.0, [8, 8, 8, 8])])
-def test_runs_over_roles_end_with_the_time_and_where_they_find_nothing(
+def test_runs_over_separate_gains_end_with_the_time_and_where_they_find_nothing(
     monkeypatch: pytest.MonkeyPatch, step: float, gain: float, advances: list[int]
 ) -> None:
-    """The worse half with every third of the time, all with the last; and any after PATIENCE comparisons in vain."""
+    """The worse half with every third of the time, all with the last; any after `patience` comparisons in vain."""
     bests, clock = iter([3.0, 1.0, 4.0, 2.0]), SimpleNamespace(share=0.0, passed=False)
-    monkeypatch.setattr(
-        search_module, "_Run", lambda *_: SimpleNamespace(best=next(bests), converged=False, advances=0)
-    )
+    monkeypatch.setattr(halving, "CmaRun", lambda *_: SimpleNamespace(best=next(bests), converged=False, advances=0))
 
     def advance(_trials: Any, going: list[Any], *_: Any) -> None:
         clock.share += step
@@ -227,91 +234,92 @@ def test_runs_over_roles_end_with_the_time_and_where_they_find_nothing(
             run.advances += 1
             run.best -= gain
 
-    monkeypatch.setattr(search_module, "_advance", advance)
-    trials: Any = SimpleNamespace(task=prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance()))
+    monkeypatch.setattr(halving, "advance", advance)
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
+    trials: Any = SimpleNamespace(task=task, settings=task.settings)
     runs: list[Any] = []
-    search_module._search_roles(trials, [FALLBACK] * 4, runs, clock, lambda *_: None)  # type: ignore[arg-type]
+    halving.search_separate_gains(trials, [FALLBACK] * 4, runs, clock, lambda *_: None)  # type: ignore[arg-type]
     assert [run.advances for run in runs] == advances
 
 
-def test_in_a_small_fleet_every_vehicle_has_its_own_gains(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_in_a_small_fleet_every_vehicle_has_its_own_gains() -> None:
     """In a larger one those of equal role share them: v1 and v5, v2 and v4 of the paper's fleet."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    make, more = search_module._per_role(task)
+    task = prepare(paper_fleet(), Options("corrected", "designed"))
+    make, more = by_separate_gains(task)
     assert more == 25
     point = np.concatenate([FALLBACK.logarithms(), -np.arange(25.0)])
     every = {
         float(gain / vehicle.mass) for gain, vehicle in zip(make(point).gains.p_v, task.fleet.vehicles, strict=True)
     }
     assert len(every) == 6
-    monkeypatch.setattr(search_module, "OWN_VEHICLES", 5)
-    assert search_module._per_role(task)[1] == 15
+    by_roles = prepare(paper_fleet(), Options("corrected", "designed"), replace(FAST, own_gains_vehicles=5))
+    assert by_separate_gains(by_roles)[1] == 15
 
 
-def test_what_runs_met_is_compared_over_starts_that_they_did_not_learn_from() -> None:
+def test_new_candidates_are_compared_over_starts_that_the_runs_did_not_learn_from() -> None:
     """Luck on the training starts decides nothing; all runs learn from the same starts, each from its own costs."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    trials = search_module._Trials(task, task.starts(Draw.TRAINING, 1), [], 60.0, None)
+    task = prepare(paper_fleet(), Options("corrected", "designed"), fewer())
+    trials = comparison.Comparison(task, 60.0, None)
     lucky, good, other = (task.candidate(name, FALLBACK) for name in ("lucky", "good", "other"))
     luck = {lucky: 1.0, good: 2.0, other: 3.0}
     told: list[dict[int, float]] = []
 
-    def run_of(candidates: list[Any]) -> Any:
-        run = search_module._Run(0, search_module._fleet_wide(task), FALLBACK.logarithms(), 4, 0.3)
-        run.ask = lambda: dict(enumerate(candidates))  # type: ignore[method-assign]
+    def run_of(generation: list[Any]) -> Any:
+        run = CmaRun(task, by_scalars(task), FALLBACK.logarithms(), 4, 0.3)
+        run.ask = lambda: dict(enumerate(generation))  # type: ignore[method-assign]
 
         def tell(costs: dict[int, float]) -> None:
             told.append(costs)
-            run.met = candidates
+            run.new = generation
 
         run.tell = tell  # type: ignore[method-assign]
         return run
 
     first, second = run_of([lucky, good]), run_of([other])
-    trials.learned = lambda candidates, _count: iter([luck[one] for one in candidates])  # type: ignore[method-assign]
-    trials.compared = lambda candidates: [(10 - luck[one], one) for one in candidates]  # type: ignore[method-assign]
-    search_module._advance(trials, [first, second], 1, Deadline(100.0), lambda *_: None)
-    assert told == [{0: 1.0, 1: 2.0}, {0: 3.0}] * search_module.GENERATIONS
-    assert (first.finds(), first.best) == ([good, lucky], 8.0)
-    assert (second.finds(), second.best) == ([other], 7.0)
+    trials.learned = lambda batch, _count: iter([luck[one] for one in batch])  # type: ignore[method-assign]
+    trials.compared = lambda batch: [(10 - luck[one], one) for one in batch]  # type: ignore[method-assign]
+    halving.advance(trials, [first, second], 1, Deadline(100.0), lambda *_: None)
+    assert told == [{0: 1.0, 1: 2.0}, {0: 3.0}] * FAST.generations
+    assert (first.candidates(), first.best) == ([good, lucky], 8.0)
+    assert (second.candidates(), second.best) == ([other], 7.0)
 
 
 def test_every_generation_learns_from_the_next_starts(monkeypatch: pytest.MonkeyPatch) -> None:
-    met: list[list[Any]] = []
+    used: list[list[Any]] = []
 
-    def measured(_task: Any, candidates: list[Any], starts: list[Any], *_: Any) -> Any:
-        met.append(starts)
-        return iter([[Run(20.0, 0.5)]] * len(candidates))
+    def measured(_task: Any, batch: list[Any], starts: list[Any], *_: Any) -> Any:
+        used.append(starts)
+        return iter([[Run(20.0, 0.5)]] * len(batch))
 
-    monkeypatch.setattr(search_module, "measure_all", measured)
-    trials = search_module._Trials(None, list("abcde"), [], 300.0, None)  # type: ignore[arg-type]
+    monkeypatch.setattr(comparison, "measure_all", measured)
+    trials = comparison.Comparison(prepare(paper_fleet(), Options("corrected", "designed"), fewer()), 300.0, None)
+    trials.training = list("abcde")  # type: ignore[arg-type]
     for count in (2, 2, 2, 9):
         assert len(list(trials.learned([None], count))) == 1  # type: ignore[list-item]
-    assert ["".join(starts) for starts in met] == ["ab", "cd", "ea", "bcdea"]
+    assert ["".join(starts) for starts in used] == ["ab", "cd", "ea", "bcdea"]
 
 
 def test_the_best_mean_so_far_limits_how_far_others_are_simulated(monkeypatch: pytest.MonkeyPatch) -> None:
     """A fleet that is settled from the start leaves a horizon, and one that never settles a finite one."""
-    asked: list[tuple[float, float, int]] = []
+    asked: list[Limits] = []
     answers = iter([NEVER, Run(20.0, 0.5, 100), Run(0.0, 0.1, 7), NEVER])
 
-    def measured(_task: Any, _candidates: Any, _starts: Any, horizon: float, _executor: Any, *rest: Any) -> Any:
-        asked.append((horizon, *rest))
+    def measured(_task: Any, _candidates: Any, _starts: Any, limits: Limits, _executor: Any) -> Any:
+        asked.append(limits)
         return iter([[next(answers)]])
 
-    monkeypatch.setattr(search_module, "measure_all", measured)
-    trials = search_module._Trials(None, [], [None], 300.0, None)  # type: ignore[arg-type,list-item]
+    monkeypatch.setattr(comparison, "measure_all", measured)
+    trials = comparison.Comparison(prepare(paper_fleet(), Options("corrected", "designed"), fewer()), 300.0, None)
     for _ in range(4):
         trials.compared([None])  # type: ignore[list-item]
-    most, (times, hopeless, steps) = search_module.MAX_STEPS, search_module.COMPARED
-    assert asked[0] == asked[1] == (300.0, math.inf, most)
-    assert asked[2] == (times * 20, hopeless * 20, steps * 100)
-    assert asked[3] == (times * search_module.LEAST_MEAN, hopeless * search_module.LEAST_MEAN, steps * 7)
+    bounds = FAST.compared
+    assert asked[0] == asked[1] == (300.0, math.inf, FAST.most_steps)
+    assert asked[2] == (bounds.horizon * 20, bounds.abandon_above * 20, bounds.steps * 100)
+    assert asked[3] == (bounds.horizon * FAST.least_mean, bounds.abandon_above * FAST.least_mean, bounds.steps * 7)
 
 
 def test_the_luckiest_from_few_starts_limits_nothing_once_more_have_spoken(monkeypatch: pytest.MonkeyPatch) -> None:
     """How far others are simulated follows the cheapest from the most starts so far, not the one of least mean."""
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
     answers = iter(
         [
             [[Run(20.0, 0.5, 10, tail=100.0)], [Run(15.0, 0.5, 20, tail=1e5)]],
@@ -319,24 +327,25 @@ def test_the_luckiest_from_few_starts_limits_nothing_once_more_have_spoken(monke
             [[Run(1.0, 0.5, 50, tail=100.0)], [NEVER]],
         ]
     )
-    monkeypatch.setattr(search_module, "measure_all", lambda *_: iter(next(answers)))
-    trials = search_module._Trials(task, [None], [None] * 2, 300.0, None)  # type: ignore[list-item]
+    monkeypatch.setattr(comparison, "measure_all", lambda *_: iter(next(answers)))
+    trials = comparison.Comparison(prepare(paper_fleet(), Options("corrected", "designed"), fewer()), 300.0, None)
     seen = []
     for ask in (trials.explored, trials.compared, trials.explored):
-        ask([None, None])  # type: ignore[operator]
+        ask([None, None])  # type: ignore[list-item]
         seen.append((trials.least, trials._steps))
     assert seen == [(20.0, 10), (30.0, 30), (30.0, 30)]
 
 
 @pytest.mark.parametrize(
-    ("short", "limits"),
+    ("settings", "limits"),
     [
-        (True, {"_explored": 100.0, "_halve": 100.0}),
-        (False, {"_explored": 20.0, "_halve": 20.0, "_search_roles": 100.0}),
+        (FAST, {"explore": 100.0, "halve": 100.0}),
+        (BEST, {"explore": 20.0, "halve": 20.0, "search_separate_gains": 100.0}),
     ],
+    ids=["fast", "best"],
 )
 def test_a_share_of_the_time_ends_the_scalars_of_a_long_search_alone(
-    monkeypatch: pytest.MonkeyPatch, short: bool, limits: dict[str, float]
+    monkeypatch: pytest.MonkeyPatch, settings: Settings, limits: dict[str, float]
 ) -> None:
     """Mode fast ends by itself: on a slow machine the clock must not choose another design."""
     given: dict[str, float] = {}
@@ -349,10 +358,10 @@ def test_a_share_of_the_time_ends_the_scalars_of_a_long_search_alone(
         return until
 
     monkeypatch.setattr(search_module, "Deadline", lambda seconds: seconds)
-    for name in ("_explored", "_halve", "_search_roles"):
+    for name in ("explore", "halve", "search_separate_gains"):
         monkeypatch.setattr(search_module, name, part(name))
-    task = prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
-    search_module.search(task, [], 300.0, 100.0, short, None, lambda *_: None)
+    task = prepare(paper_fleet(), Options("corrected", "designed"), replace(settings, seconds=100.0))
+    search_module.search(task, [], 300.0, None, lambda *_: None)
     assert given == limits
 
 
@@ -360,8 +369,8 @@ def test_starts_are_drawn_from_the_box_that_is_asked_for() -> None:
     fleet = paper_fleet()
     plant = fleet.plant()
     for box, half in ((8.0, 4.0), (None, scale(fleet))):
-        task = prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), box)
+        task = prepare(fleet, Options("corrected", "designed", box=box))
         far = max(np.abs(start.x - plant.leader_x).max() for start in task.starts(Draw.TRAINING, 20)[1:])
         assert 0.8 * half < far <= half
     with pytest.raises(InputError, match=r"box = 0\.0 must be"):
-        prepare(fleet, "corrected", "designed", 0, 4, Tolerance(), 0.0)
+        prepare(fleet, Options("corrected", "designed", box=0.0))

@@ -2,6 +2,7 @@
 
 import math
 import statistics
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,23 +11,23 @@ from gaincert.models.equations import State
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw
 from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis.design import Task, prepare
 from gaincert.synthesis.rates import CrossTrack
-from gaincert.synthesis.rollouts import settling as batch_module
-from gaincert.synthesis.rollouts.settling import Accuracy, Trial, settle_all
+from gaincert.synthesis.rollouts.settling import Limits, Trial, settle_all
 from gaincert.synthesis.rollouts.tail_times import tail_times
 from gaincert.synthesis.scaled_gains import Scalars
 from gaincert.verify.simulation.closed_loop import ClosedLoop
+from gaincert.synthesis.settings import FAST, Accuracy, Settings
+from gaincert.synthesis.task import Options, Task, prepare
 from gaincert.verify.simulation.integrators import Adams, Dop853
 
 GOOD = Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2)
 SLOW = Scalars(0.3, 0.8, 1.0, 0.1, 0.9, 1.1)
-HORIZON = 1000.0  # s
+LIMITS = Limits(1000.0)  # s
 
 
 @pytest.fixture(scope="module")
 def task() -> Task:
-    return prepare(paper_fleet(), "corrected", "designed", 0, 4, Tolerance())
+    return prepare(paper_fleet(), Options("corrected", "designed"))
 
 
 def trial(task: Task, scalars: Scalars) -> Trial:
@@ -41,33 +42,33 @@ def one_by_one(task: Task, scalars: Scalars, start: State) -> float:
     for t, states in Adams(loop, step=0.1, piece=50.0, tolerance=1e-8).pieces(start):
         outside = t[loop.excess(states, Tolerance(0.1, 0.1)) > 1]
         last = float(outside[-1]) if len(outside) else last
-        if last < t[0] - 0.1 or t[-1] > HORIZON:
+        if last < t[0] - 0.1 or t[-1] > LIMITS.horizon:
             return last
     raise AssertionError("pieces end only here")
 
 
-def test_a_rollout_does_not_depend_on_those_beside_it(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_rollout_does_not_depend_on_those_beside_it(task: Task) -> None:
     """Alone, among others with other gains, and in a place that another one has left: the same to the last bit."""
     trials, starts = [trial(task, GOOD), trial(task, SLOW)], task.starts(Draw.TRAINING, 4)
 
-    def settled(*where: object) -> list[list[tuple[object, ...]]]:
-        found = settle_all(task.plant, *where, 150.0, task.tolerance)  # type: ignore[arg-type]
+    def settled(trials: list[Trial], starts: list[State], settings: Settings = FAST) -> list[list[tuple[object, ...]]]:
+        found = settle_all(task.plant, trials, starts, Limits(150.0), task.tolerance, settings)
         return [[(*one[:3], np.concatenate(one.final).tolist(), one.steps) for one in row if one] for row in found]
 
     together = settled(trials, starts)
     alone = [[settled([one], [start])[0][0] for start in starts] for one in trials]
-    monkeypatch.setattr(batch_module, "VEHICLES", 3 * len(task.fleet))
-    narrow = settled(trials, starts)
+    narrow = settled(trials, starts, replace(FAST, simulated_vehicles=3 * len(task.fleet)))
     assert len(together[0]) == len(starts)
     assert together == alone == narrow
 
 
-def test_each_rollout_follows_its_own_trial_and_start(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_rollout_follows_its_own_trial_and_start(task: Task) -> None:
     """With short steps, before chaos: every column ends where the true solution is then."""
-    monkeypatch.setattr(batch_module, "ACCURACY", Accuracy(1e-5, 1e-6, 2.0))
+    fine = replace(FAST, accuracy=Accuracy(1e-5, 1e-6, 2.0))
     candidates, starts = [task.candidate("here", scalars) for scalars in (GOOD, SLOW)], task.starts(Draw.TRAINING, 2)
     trials = [Trial(one.gains.map(floats), one.excitation) for one in candidates]
-    for one, row in zip(candidates, settle_all(task.plant, trials, starts, 4.0, task.tolerance), strict=True):
+    settled = settle_all(task.plant, trials, starts, Limits(4.0), task.tolerance, fine)
+    for one, row in zip(candidates, settled, strict=True):
         loop = ClosedLoop.of(task.fleet, one.gains, one.excitation)
         for settling, start in zip(row, starts, strict=True):
             assert settling is not None
@@ -79,20 +80,19 @@ def test_each_rollout_follows_its_own_trial_and_start(task: Task, monkeypatch: p
 
 
 @pytest.mark.slow
-def test_what_ranks_is_accurate_enough(task: Task) -> None:
+def test_the_ranking_integrator_is_accurate_enough(task: Task) -> None:
     """Two digits in single precision tell the mean settling time as eight do: single starts are chaotic."""
     starts = task.starts(Draw.TRAINING, 80)
-    found = [one.time for one in settle_all(task.plant, [trial(task, GOOD)], starts, HORIZON, task.tolerance)[0] if one]
+    found = [one.time for one in settle_all(task.plant, [trial(task, GOOD)], starts, LIMITS, task.tolerance)[0] if one]
     true = [one_by_one(task, GOOD, start) for start in starts]
     chance = math.hypot(*(statistics.stdev(times) / math.sqrt(len(starts)) for times in (found, true)))
     assert abs(statistics.fmean(found) - statistics.fmean(true)) < 3 * chance < 0.2 * statistics.fmean(true)
 
 
-def test_the_clock_ends_a_batch(task: Task, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(batch_module, "SECONDS", 0.0)
-    assert settle_all(task.plant, [trial(task, GOOD)], task.starts(Draw.TRAINING, 2), HORIZON, task.tolerance) == [
-        [None] * 3
-    ]
+def test_the_clock_ends_a_batch(task: Task) -> None:
+    out_of_time, starts = replace(FAST, rollout_seconds=0.0), task.starts(Draw.TRAINING, 2)
+    settled = settle_all(task.plant, [trial(task, GOOD)], starts, LIMITS, task.tolerance, out_of_time)
+    assert settled == [[None] * 3]
 
 
 @pytest.mark.parametrize("scalars", [GOOD, SLOW])

@@ -1,5 +1,7 @@
 """The integrators: order of accuracy, the energy identity, and that all engines give one and the same run."""
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from gaincert.models import energy
@@ -9,6 +11,8 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.starts import random_starts
 from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.engines import ENGINES, LARGE, engine_name, make_integrator
+from gaincert.synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Stepper
+from gaincert.synthesis.settings import Accuracy
 from gaincert.verify.simulation.integrators import Adams, Cvodes, Dop853
 from gaincert.verify.simulation.large_fleet import Dopri5, rate_function
 
@@ -54,14 +58,18 @@ def test_the_explicit_method_is_of_order_five(paper: Fleet, paper_loop: ClosedLo
     """Fixed steps: the error of one second falls as h^5, that of the continuous extension as h^4 or faster."""
     rate, x0 = rate_function(paper_loop), np.concatenate(random_starts(paper, 1, 0, 5.0)[0])
     reference = end(Dop853, paper_loop, State(*x0.reshape(5, -1)), 1.0, 1e-13)
-    engine, errors = Dopri5(paper_loop, step=1.0, piece=1.0, tolerance=1.0), []
-    counts = np.array([400, 800, 1600])
+    errors, counts = [], np.array([400, 800, 1600])
+
+    def problem(state: np.ndarray, slopes: np.ndarray) -> Callable[[np.ndarray], None]:
+        return lambda t: rate(float(t[0]), state[:, 0], slopes[:, 0])
+
     for count in counts:
-        x, h = x0, 1.0 / count
-        for i in range(count):
-            rate(i * h, x, engine._stages[0])
-            x = engine._stages_of(i * h, x, h)
-        errors.append(np.abs(x - reference).max())
+        loose = Accuracy(1e9, 1e9, 1.0 / count)
+        stepper = Stepper(DORMAND_PRINCE, problem, np.zeros(1), x0[:, None], np.array([1.0 / count]), loose)
+        for _ in range(count):
+            stepper.step()
+        assert stepper.t[0] == pytest.approx(1.0)
+        errors.append(np.abs(stepper.y[:, 0] - reference).max())
     assert np.polyfit(np.log(counts), np.log(errors), 1)[0] == pytest.approx(-5, abs=0.6)
 
 
