@@ -116,11 +116,18 @@ class CrossTrack:
         swings = sum(np.multiply.outer(phase, theta).imag for phase, theta in zip(self._phases, solved, strict=True))
         return np.asarray(np.max(np.abs(swings), axis=0))
 
-    def time_to(self, start: Floats, position: float, heading: float, accuracy: float = 1e-6) -> tuple[float, float]:
+    def time_to(
+        self,
+        start: Floats,
+        position: float,
+        heading: float,
+        accuracy: float = 1e-6,
+        seconds: float = TAIL_SECONDS,
+    ) -> tuple[float, float]:
         """(T, kappa): the time until |y| <= position and swing <= heading everywhere, and the coefficient there.
 
         kappa is that of d|y|/dt = -kappa |y|^3 for the largest entry; (inf, kappa) where the errors do not fall so far
-        by LONGEST_TAIL, or before the clock runs out: then kappa is that of the start. `accuracy` is relative.
+        by LONGEST_TAIL, or within `seconds` of wall clock: then kappa is that of the start. `accuracy` is relative.
         """
         from scipy.integrate import solve_ivp
 
@@ -129,7 +136,7 @@ class CrossTrack:
                 raise TimeoutError
             return float(max(np.max(np.abs(y)) / position, np.max(self.swing(y)) / heading)) - 1
 
-        deadline = Deadline(TAIL_SECONDS)
+        deadline = Deadline(seconds)
         excess.terminal = True  # type: ignore[attr-defined]
         options: dict[str, Any] = {"events": excess, "rtol": accuracy, "atol": accuracy / 1000}
         try:

@@ -64,7 +64,7 @@ class Stepper:
     def __init__(self, tableau: Tableau, problem: Problem, t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
         """Begin at the times t (B,) and values y (..., B) with steps h (B,), s."""
         real = tableau.real
-        self.t, self.h, self.y = t, h, np.ascontiguousarray(y, dtype=real)
+        self.t, self.h, self.y = t, h, np.array(y, dtype=real, order="C")
         self.new = self.y.copy()
         self.slopes = np.empty((1 + len(tableau.times), *self.y.shape), real)
         self.taken = np.ones(len(t), real)  # 1 where the last step was good enough, else 0

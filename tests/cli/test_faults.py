@@ -338,11 +338,10 @@ def test_ipopt_has_a_clock(fleet: Fleet, caplog: pytest.LogCaptureFixture) -> No
     assert "averaged program: broken off: IPOPT found no answer within 1e-07 s" in caplog.text
 
 
-def test_a_tail_has_a_clock(paper: Fleet, psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_tail_has_a_clock(paper: Fleet, psi_of_paper: Any) -> None:
     track = rates.CrossTrack(paper.plant(), paper_gains().map(lambda g: g.astype(float)), psi_of_paper)
     assert track.time_to(np.ones(6), 0.5, 0.5)[0] < math.inf
-    monkeypatch.setattr(rates, "TAIL_SECONDS", 0.0)
-    late, kappa = track.time_to(np.ones(6), 0.5, 0.5)
+    late, kappa = track.time_to(np.ones(6), 0.5, 0.5, seconds=0.0)
     assert late == math.inf
     assert kappa > 0
 

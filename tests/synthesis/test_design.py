@@ -162,12 +162,8 @@ def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: floa
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_gains(limited: Fleet) -> None:
-    asked = {
-        "conditions": "rate-bounded",
-        "excitation": "designed",
-        "seed": 3,
-        "settings": replace(FAST, generations=1),
-    }
+    settings = replace(FAST, generations=1)
+    asked = {"conditions": "rate-bounded", "excitation": "designed", "seed": 3, "settings": settings}
     first, second = (design(limited, **asked) for _ in range(2))  # type: ignore[arg-type]
     assert all(np.array_equal(getattr(first.gains, key), getattr(second.gains, key)) for key in GAIN_NAMES)
     assert first.excitation == second.excitation
