@@ -21,6 +21,7 @@ import pytest
 from gaincert import cli
 from gaincert import parallel as dispatch
 from gaincert.console import Printer
+from gaincert.models.arrays import floats
 from gaincert.models.conditions import condition_set
 from gaincert.models.equations import State, closed_loop
 from gaincert.models.errors import UndecidedError
@@ -129,7 +130,7 @@ def test_without_clarabel_the_averaged_program_takes_over(
     assert "averaged program" in {candidate.origin for candidate in proposed}
     for candidate in proposed:
         conditions = condition_set("corrected")
-        exact = rounded(conditions, task_of(fleet).exact_data, candidate.gains.map(lambda g: g.astype(float)), 6)
+        exact = rounded(conditions, task_of(fleet).exact_data, candidate.gains.map(floats), 6)
         assert all(value > 0 for name in GAIN_NAMES for value in getattr(exact, name))
     if clarabel not in ("huge", "tiny"):  # gains that are slow, but within the conditions
         assert "convex programs" not in {candidate.origin for candidate in proposed}
@@ -339,7 +340,7 @@ def test_ipopt_has_a_clock(fleet: Fleet, caplog: pytest.LogCaptureFixture) -> No
 
 
 def test_a_tail_has_a_clock(paper: Fleet, psi_of_paper: Any) -> None:
-    track = rates.CrossTrack(paper.plant(), paper_gains().map(lambda g: g.astype(float)), psi_of_paper)
+    track = rates.CrossTrack(paper.plant(), paper_gains().map(floats), psi_of_paper)
     assert track.time_to(np.ones(6), 0.5, 0.5)[0] < math.inf
     late, kappa = track.time_to(np.ones(6), 0.5, 0.5, seconds=0.0)
     assert late == math.inf
