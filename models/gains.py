@@ -24,7 +24,8 @@ class Gains:
 
     def map(self, convert: Callable[[Array], Array]) -> Gains:
         """The same gains and scales with every array converted."""
-        return Gains(*(convert(getattr(self, name)) for name in GAIN_NAMES), self.saturation.map(convert))
+        gains = {name: convert(getattr(self, name)) for name in GAIN_NAMES}
+        return Gains(**gains, saturation=self.saturation.map(convert))
 
     def local(self) -> Gains:
         """The gains of unit scales that move the fleet alike near the goal: slopes at 0 of every saturation, (N,)."""

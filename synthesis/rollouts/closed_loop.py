@@ -95,11 +95,12 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
     state, scales = State(*ca.vertsplit(rows)), coordinate_scales(saturation)
     sums, z_tail, z_head = (symbol(name, COORDINATES) for name in ("sums", "z_tail", "z_head"))
     at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
+    columns = dict(zip(GAIN_NAMES, ca.vertsplit(gains), strict=True))
     coordinates = formation_coordinates(plant, state)
     distances = [z - leader for z, leader in zip(coordinates, leader_coordinates(plant), strict=True)]
     to_leader = [pull(ops, leader_weight, *pair) for pair in zip(scales, distances, strict=True)]
     errors = Errors(*(ca.vertcat(*to_leader) + sums).elements())
-    rates = closed_loop(ops, plant, Gains(*ca.vertsplit(gains), saturation), psi, state, errors)
+    rates = closed_loop(ops, plant, Gains(**columns, saturation=saturation), psi, state, errors)
     between = (z_tail - z_head).elements()
     force = ca.vertcat(*(pull(ops, weight, *pair) for pair in zip(scales, between, strict=True)))
     return compiled(

@@ -15,9 +15,9 @@ from gaincert.synthesis.rates import CrossTrack
 from gaincert.synthesis.rollouts.settling import Limits, Trial, settle_all
 from gaincert.synthesis.rollouts.tail_times import tail_times
 from gaincert.synthesis.scaled_gains import Scalars
-from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.synthesis.settings import FAST, Accuracy, Settings
 from gaincert.synthesis.task import Options, Task, prepare
+from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.integrators import Adams, Dop853
 
 GOOD = Scalars(0.15, 0.26, 3.9, 0.033, 0.14, 3.2)

@@ -9,10 +9,10 @@ from gaincert.models.algebra.ops import flat_ops, numpy_ops
 from gaincert.models.equations import State
 from gaincert.models.fleet import Fleet
 from gaincert.models.starts import random_starts
-from gaincert.verify.simulation.closed_loop import ClosedLoop
-from gaincert.verify.simulation.engines import ENGINES, LARGE, engine_name, make_integrator
 from gaincert.synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Stepper
 from gaincert.synthesis.settings import Accuracy
+from gaincert.verify.simulation.closed_loop import ClosedLoop
+from gaincert.verify.simulation.engines import ENGINES, LARGE, engine_name, make_integrator
 from gaincert.verify.simulation.integrators import Adams, Cvodes, Dop853
 from gaincert.verify.simulation.large_fleet import Dopri5, rate_function
 

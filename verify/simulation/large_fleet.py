@@ -14,9 +14,9 @@ import numpy as np
 from ...models.algebra.ops import flat_ops, unbounded
 from ...models.equations import State, closed_loop
 from ...models.errors import UndecidedError
-from .closed_loop import ClosedLoop, Floats
 from ...synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Rate, Stepper
 from ...synthesis.settings import Accuracy
+from .closed_loop import ClosedLoop, Floats
 from .integrators import Explicit
 
 FIRST_STEP = 1e-4  # s
