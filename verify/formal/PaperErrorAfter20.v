@@ -1,0 +1,41 @@
+(** * PaperErrorAfter20.v : the inequality printed after (20) is false (THEORY section 1).
+    The paper bounds w alpha by w sqrt2 k psibar D; that holds for |w| only.  Idea: let vehicle 2 of the paper's fleet
+    turn with w = -1 while alpha is near its least value -c (its place error is (40, -40) m, its heading pi/4, and psi is
+    at its peak at t = pi/5): W' is -0.04, the printed "upper bound" is -15.19. *)
+From Coq Require Import Reals Lra.
+From Coquelicot Require Import Coquelicot.
+From Gaincert Require Import Statement Numerics EnergyDerivatives Formation PaperFleet PaperWitness.
+Open Scope R_scope.
+
+(** The right-hand side of the first inequality after (20), as printed. *)
+Definition printed_bound_after_20 (F : fleet) (s : state) : R :=
+  - sum (N F) (fun i => 1 / pw F i *
+      (dw F i * om s i * tanh (om s i) - om s i * (sqrt 2 * k F i * psi0 F * deg F i))).
+
+Definition only_vehicle_2 (x other : R) (i : nat) : R := match i with 1%nat => x | _ => other end.
+
+Definition turning_back : state :=
+  displaced paper_fleet (only_vehicle_2 40 0) (only_vehicle_2 (-40) 0) (only_vehicle_2 (PI / 4) (5 * PI / 4))
+    (fun _ => 0) (only_vehicle_2 (-1) 0).
+
+Lemma turning_back_W_rate : - 4 / 100 < W_rate paper_fleet (PI / 5) turning_back < - 3 / 100.
+Proof.
+  unfold W_rate, Pw, turning_back, paper_fleet. cbn [sum N paper_fleet_excited_by].
+  rewrite !displaced_alpha. unfold coupling. cbn -[PI]. unfold paper_psi, tanh, sinh, cosh.
+  split; interval.
+Qed.
+
+Lemma turning_back_printed : - 1520 / 100 < printed_bound_after_20 paper_fleet turning_back < - 1519 / 100.
+Proof.
+  unfold printed_bound_after_20. change (N paper_fleet) with 6%nat. cbn [sum].
+  rewrite !paper_degrees by repeat constructor. cbn -[PI]. unfold tanh, sinh, cosh.
+  split; interval.
+Qed.
+
+Theorem inequality_after_20_is_false :
+  ~ (forall t s, 0 <= t -> W_rate paper_fleet t s <= printed_bound_after_20 paper_fleet s).
+Proof.
+  intros Hprinted. specialize (Hprinted (PI / 5) turning_back).
+  pose proof turning_back_W_rate. pose proof turning_back_printed. pose proof PI_RGT_0.
+  assert (0 <= PI / 5) by lra. lra.
+Qed.

@@ -1,0 +1,140 @@
+(** * PaperErrorConstantExcitation.v : (12) must be asked of psi', not of psi.
+    A constant psi is persistently exciting in the sense of the integral of psi^2.  Idea: with psi at its mean 5/4 the
+    paper's fleet can rest off the formation: all six vehicles share one place error across a heading that is turned by a
+    little angle, and the pull psi makes of that error holds the heading turned.  So attractivity is false without psi'. *)
+From Coq Require Import Reals Lra.
+From Coquelicot Require Import Coquelicot.
+From Gaincert Require Import Statement Numerics Sums Saturations Calculus Formation PaperFleet PaperWitness.
+Open Scope R_scope.
+
+(** The paper's fleet with psi replaced by its mean; window and level as in (12), the level for psi. *)
+Definition constant_fleet : fleet :=
+  paper_fleet_excited_by (fun _ => 5 / 4) (fun _ => 0) (fun _ => 0) (5 / 4) 0 0 (2 * PI) (25 * PI / 8).
+
+(** (A3), but with psi in place of psi' in (12). *)
+Definition A3_of_psi (F : fleet) : Prop :=
+  0 < T F /\ 0 < mu F /\
+  forall i, (i < N F)%nat -> forall t, 0 <= t ->
+    is_derive (psi F i) t (dpsi F i t) /\ is_derive (dpsi F i) t (ddpsi F i t) /\
+    Rabs (psi F i t) <= psi0 F /\ Rabs (dpsi F i t) <= psi1 F /\ Rabs (ddpsi F i t) <= psi2 F /\
+    mu F <= RInt (fun s => (psi F i s) ^ 2) t (t + T F).
+
+Lemma constant_psi_is_exciting : A3_of_psi constant_fleet.
+Proof.
+  pose proof PI_RGT_0 as Hpi. split; [simpl; lra|]. split; [simpl; lra|].
+  intros i Hi t Ht. cbn [psi dpsi ddpsi psi0 psi1 psi2 mu T constant_fleet paper_fleet_excited_by].
+  split; [apply derive_const|]. split; [apply derive_const|].
+  rewrite (Rabs_pos_eq (5 / 4)) by lra. rewrite Rabs_R0.
+  split; [lra|]. split; [lra|]. split; [lra|].
+  rewrite RInt_const. unfold scal. simpl. unfold mult. simpl. lra.
+Qed.
+
+(** Inverse of tanh on (-1, 1). *)
+Definition atanh (y : R) : R := ln ((1 + y) / (1 - y)) / 2.
+
+(** Everybody: heading turned by [turn], the same place error across that heading, at rest. *)
+Definition false_pull (turn : R) : R := 59 / 10 * tanh turn / (5 / 4).
+Definition false_formation (turn : R) : state :=
+  displaced constant_fleet
+    (fun _ => atanh (- false_pull turn * sin (5 * PI / 4 + turn)))
+    (fun _ => atanh (false_pull turn * cos (5 * PI / 4 + turn)))
+    (fun _ => 5 * PI / 4 + turn) (fun _ => 0) (fun _ => 0).
+
+Lemma false_formation_turn : forall turn i, eth constant_fleet (false_formation turn) i = by_link 0 10 i * tanh turn.
+Proof.
+  intros turn i. unfold eth. rewrite (coupling_ext _ _ _ (fun _ => turn)).
+  - apply coupling_of_agreement.
+  - intros j. unfold tha. simpl. ring.
+Qed.
+
+Lemma small_share : forall b x, Rabs b < 1 -> -1 <= x <= 1 -> -1 < b * x < 1.
+Proof.
+  intros b x Hb Hx. assert (Hx1 : Rabs x <= 1) by (apply Rabs_le; exact Hx).
+  pose proof (Rabs_pos b). assert (Habs : Rabs (b * x) < 1) by (rewrite Rabs_mult; nra).
+  apply Rabs_def2 in Habs. lra.
+Qed.
+
+Section FalseEquilibrium.
+Variable turn : R.
+Hypothesis little : Rabs (false_pull turn) < 1.
+
+Lemma false_ex : forall i,
+  ex constant_fleet (false_formation turn) i = by_link 0 10 i * (- false_pull turn * sin (5 * PI / 4 + turn)).
+Proof.
+  intros i. unfold false_formation. rewrite displaced_ex. change (ls constant_fleet) with 1.
+  rewrite coupling_of_agreement. unfold atanh. rewrite tanh_onto; [reflexivity|].
+  apply small_share; [rewrite Rabs_Ropp; exact little|apply SIN_bound].
+Qed.
+
+Lemma false_ey : forall i,
+  ey constant_fleet (false_formation turn) i = by_link 0 10 i * (false_pull turn * cos (5 * PI / 4 + turn)).
+Proof.
+  intros i. unfold false_formation. rewrite displaced_ey. change (ls constant_fleet) with 1.
+  rewrite coupling_of_agreement. unfold atanh. rewrite tanh_onto; [reflexivity|].
+  apply small_share; [exact little|apply COS_bound].
+Qed.
+
+Lemma false_u_v : forall i, u_v constant_fleet (false_formation turn) i = 0.
+Proof.
+  intros i. unfold u_v, along. rewrite false_ex, false_ey. simpl.
+  unfold Rdiv. rewrite Rmult_0_l, tanh_0. ring.
+Qed.
+
+Lemma false_u_w : forall t i, (i < 6)%nat -> u_w constant_fleet t (false_formation turn) i = 0.
+Proof.
+  intros t i Hi. unfold u_w, across. rewrite false_ex, false_ey, false_formation_turn.
+  change (th (false_formation turn) i) with (5 * PI / 4 + turn). change (om (false_formation turn) i) with 0.
+  replace (0 / ws constant_fleet i) with 0 by (unfold Rdiv; ring). rewrite tanh_0.
+  pose proof (sin2_cos2 (5 * PI / 4 + turn)) as Hone. unfold Rsqr in Hone.
+  set (x := sin (5 * PI / 4 + turn)) in *. set (y := cos (5 * PI / 4 + turn)) in *.
+  replace (k constant_fleet i * psi constant_fleet i t *
+    (- x * (by_link 0 10 i * (- false_pull turn * x)) + y * (by_link 0 10 i * (false_pull turn * y))))
+    with (k constant_fleet i * psi constant_fleet i t * by_link 0 10 i * false_pull turn * (x * x + y * y)) by ring.
+  rewrite Hone. unfold false_pull. revert i Hi.
+  refine (six_cases _ _ _ _ _ _ _); cbn; field.
+Qed.
+
+Theorem false_formation_is_a_solution : forall t0, solution constant_fleet t0 (fun _ => false_formation turn).
+Proof.
+  intros t0. apply rest_is_a_solution. intros i Hi. split; [reflexivity|]. split; [reflexivity|].
+  split; [apply false_u_v|]. intros t _. apply false_u_w. exact Hi.
+Qed.
+End FalseEquilibrium.
+
+(** A turn of 0.2 rad is little enough; the six headings alone are an error of 1.2. *)
+Lemma fifth_of_a_radian : Rabs (false_pull (2 / 10)) < 1.
+Proof. unfold false_pull, tanh, sinh, cosh. apply Rabs_def1; interval. Qed.
+
+Lemma false_formation_error : 12 / 10 <= err constant_fleet (false_formation (2 / 10)).
+Proof.
+  assert (Hterm : forall i, 2 / 10 <= Rabs (zx constant_fleet (false_formation (2 / 10)) i)
+    + Rabs (zy constant_fleet (false_formation (2 / 10)) i) + Rabs (tha constant_fleet (false_formation (2 / 10)) i)
+    + Rabs (v (false_formation (2 / 10)) i) + Rabs (om (false_formation (2 / 10)) i)).
+  { intros i. set (s := false_formation (2 / 10)).
+    replace (tha constant_fleet s i) with (2 / 10) by (unfold tha; simpl; ring).
+    rewrite (Rabs_pos_eq (2 / 10)) by lra.
+    pose proof (Rabs_pos (zx constant_fleet s i)). pose proof (Rabs_pos (zy constant_fleet s i)).
+    pose proof (Rabs_pos (v s i)). pose proof (Rabs_pos (om s i)). lra. }
+  apply Rle_trans with (sum 6 (fun _ => 2 / 10)); [simpl; lra|].
+  unfold err. apply sum_le. intros i _. apply Hterm.
+Qed.
+
+(** A constant psi, exciting in itself: the fleet can rest off the formation for ever, so the formation does not
+    attract. *)
+Theorem constant_psi_leaves_a_false_equilibrium : exists s, 0 < err constant_fleet s /\
+  forall t0, solution constant_fleet t0 (fun _ => s).
+Proof.
+  exists (false_formation (2 / 10)). split.
+  - pose proof false_formation_error. lra.
+  - intros t0. apply false_formation_is_a_solution. exact fifth_of_a_radian.
+Qed.
+
+Theorem constant_psi_is_not_enough :
+  A1 constant_fleet /\ A2 constant_fleet /\ A3_of_psi constant_fleet /\ ~ uniformly_attractive constant_fleet.
+Proof.
+  split; [apply paper_graph|]. split; [apply paper_parameters|]. split; [exact constant_psi_is_exciting|].
+  intros Hattractive. destruct constant_psi_leaves_a_false_equilibrium as [s [Herror Hrest]].
+  destruct (Hattractive (err constant_fleet s) (err constant_fleet s / 2)) as [tau Htau]; [lra|lra|].
+  assert (Hsmall : err constant_fleet s <= err constant_fleet s / 2); [|lra].
+  apply (Htau 0 (fun _ => s)) with (t := Rmax 0 (0 + tau)); [lra|apply Hrest|lra|apply Rmax_r].
+Qed.

@@ -1,0 +1,47 @@
+(** * PaperErrorRotationalEnergy.v : "for all |w_i| >= 1 we have W' <= 0" is false although (15) holds.
+    The paper's step adds up as if every vehicle turned at 1 rad/s or more.  Idea: vehicle 1 turns at 1 rad/s, where (15)
+    lets the damping win; vehicle 2 turns at 0.5 rad/s only, where its alpha is stronger than tanh(0.5) of damping, and
+    W rises.  The paper's gains, graph and psi, the controller's own alpha. *)
+From Coq Require Import Reals Lra.
+From Coquelicot Require Import Coquelicot.
+From Gaincert Require Import Statement Numerics EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+Open Scope R_scope.
+
+Definition vehicles_1_2 (x y other : R) (i : nat) : R := match i with 0%nat => x | 1%nat => y | _ => other end.
+
+(** Place errors (40, -40) m of vehicle 1 and (-40, 40) m of vehicle 2, headings -3 pi/4 and pi/4, w = 1 and 0.5. *)
+Definition turning_pair : state :=
+  displaced paper_fleet (vehicles_1_2 40 (-40) 0) (vehicles_1_2 (-40) 40 0)
+    (vehicles_1_2 (- 3 * PI / 4) (PI / 4) (5 * PI / 4)) (fun _ => 0) (vehicles_1_2 1 (5 / 10) 0).
+
+Lemma turning_pair_W_rate : 1233 / 1000 < W_rate paper_fleet (PI / 5) turning_pair < 1235 / 1000.
+Proof.
+  unfold W_rate, Pw, turning_pair, paper_fleet. cbn [sum N paper_fleet_excited_by].
+  rewrite !displaced_alpha. unfold coupling. cbn -[PI]. unfold paper_psi, tanh, sinh, cosh.
+  split; interval.
+Qed.
+
+Theorem rotational_energy_can_rise :
+  condition_15 paper_fleet /\
+  exists t s i, 0 <= t /\ (i < N paper_fleet)%nat /\ 1 <= Rabs (om s i) /\ 0 < W_rate paper_fleet t s.
+Proof.
+  split; [exact paper_condition_15|].
+  exists (PI / 5), turning_pair, 0%nat. pose proof PI_RGT_0. pose proof turning_pair_W_rate.
+  split; [lra|]. split; [repeat constructor|]. split; [|lra].
+  simpl. rewrite Rabs_pos_eq; lra.
+Qed.
+
+(** The same of a motion of the fleet: from that state on there is one, and at its start W is rising. *)
+Theorem rotational_energy_rises_on_a_solution :
+  exists t0 X l, 0 <= t0 /\ solution paper_fleet t0 X /\ 1 <= Rabs (om (X t0) 0%nat) /\
+    is_derive (fun t => W paper_fleet (X t)) t0 l /\ 12 / 10 < l.
+Proof.
+  destruct paper_fleet_meets_the_hypotheses as [H1 [H2 H3]].
+  assert (Ht0 : 0 <= PI / 5) by (pose proof PI_RGT_0; lra).
+  destruct (existence_holds paper_fleet H1 H2 H3 (PI / 5) turning_pair Ht0) as [X [Hstart HX]].
+  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) (X (PI / 5))).
+  split; [exact Ht0|]. split; [exact HX|]. split.
+  - rewrite Hstart. simpl. rewrite Rabs_pos_eq; lra.
+  - split; [apply (W_derivative paper_fleet (PI / 5) X (PI / 5) H1 H2 HX); lra|].
+    rewrite Hstart. pose proof turning_pair_W_rate. lra.
+Qed.

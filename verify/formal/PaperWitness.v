@@ -1,0 +1,31 @@
+(** * PaperWitness.v : states and numbers for the theorems on the paper's errors.
+    A witness is a state given by its errors (zbar_i - z_l), headings, speeds and turn rates (Formation.v); of the
+    paper's fleet every quantity of the controller is then a closed number, which interval arithmetic bounds. *)
+From Coq Require Import Reals Lra.
+From Coquelicot Require Import Coquelicot.
+From Gaincert Require Import Statement Numerics Sums EnergyDerivatives Formation PaperFleet.
+Open Scope R_scope.
+
+Lemma displaced_alpha : forall F dx dy heading speed turn t i,
+  alpha F t (displaced F dx dy heading speed turn) i
+  = k F i * psi F i t * (- sin (heading i) * coupling F (ls F) dx i + cos (heading i) * coupling F (ls F) dy i).
+Proof.
+  intros F dx dy heading speed turn t i. unfold alpha, across. rewrite displaced_ex, displaced_ey. reflexivity.
+Qed.
+
+(** The derivative of W according to (20), with the controller's own alpha. *)
+Definition W_rate (F : fleet) (t : R) (s : state) : R :=
+  - Pw F s + sum (N F) (fun i => om s i * alpha F t s i / pw F i).
+
+(** Condition (15) at unit scales, and D_i = a_il + l_ii of the paper's graph. *)
+Definition condition_15 (F : fleet) : Prop := forall i, (i < N F)%nat -> cmax F i / tanh 1 <= dw F i.
+
+Lemma paper_degrees : forall i, (i < 6)%nat -> deg paper_fleet i = by_link 2 13 i.
+Proof. refine (six_cases _ _ _ _ _ _ _); unfold deg, paper_fleet; cbn; lra. Qed.
+
+Lemma paper_condition_15 : condition_15 paper_fleet.
+Proof.
+  unfold condition_15, cmax. change (N paper_fleet) with 6%nat.
+  intros i Hi. rewrite (paper_degrees i Hi). revert i Hi.
+  refine (six_cases _ _ _ _ _ _ _); cbn; unfold tanh, sinh, cosh; interval.
+Qed.
