@@ -53,10 +53,13 @@ class Printer:
 
         # In a pipe there is no terminal to fit into: rich would take 80 columns.
         stream = sys.stderr if self.json else sys.stdout
-        console = Console(file=stream, highlight=False, soft_wrap=True, width=None if stream.isatty() else 120)
+        console = Console(file=stream, highlight=False, width=None if stream.isatty() else 120)
         with _output():
             for line in lines:
-                console.print(one_line(line) if isinstance(line, str) else line, markup=False)
+                if isinstance(line, str):  # a terminal breaks it itself
+                    console.print(one_line(line), markup=False, soft_wrap=True)
+                else:
+                    console.print(line)
 
     def detail(self, *lines: Any) -> None:
         """Print where the reader asked for more."""

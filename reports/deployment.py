@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 from dataclasses import dataclass
+from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -47,13 +48,16 @@ class Deployment:
 
     @cached_property
     def gains_digest(self) -> str:
-        """SHA-256 of all that the controller computes with: gains, psi, links, robots and the leader's pose."""
+        """SHA-256 of all that the controller computes with: gains, scales, psi, links, robots and the leader's pose."""
         gains = {name: [decimal_text(value) for value in getattr(self.gains, name)] for name in GAIN_NAMES}
+        columns = self.gains.saturation.columns(len(self.fleet))
+        scales = {name: [decimal_text(Fraction(value)) for value in column] for name, column in columns.items()}
         leader = self.fleet.leader.model_dump(mode="json")
         content = {
             "fleet": self.fleet.content(),
             "leader": leader,
             "gains": gains,
+            "saturation": scales,
             "excitation": self.excitation.table(),
         }
         text = json.dumps(content, sort_keys=True, separators=(",", ":"))

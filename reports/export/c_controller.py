@@ -13,9 +13,9 @@ from ...models.equations import Plant, State, control
 from ...models.gains import GAIN_NAMES
 from ..deployment import Deployment
 from ..rendering import render
-from ..tables.gain_table import rows
+from ..tables.gain_table import CONTROLLER, rows
 from ..tables.neighbours import neighbours
-from .casadi_source import control_source
+from .casadi_source import ROBOT, control_source
 
 NAME = "gaincert_controller"
 LISTED = 200  # vehicles up to which the header lists the gains
@@ -38,15 +38,17 @@ def c_files(deployed: Deployment) -> dict[str, str]:
         "vehicles": len(deployed.fleet),
         "leader": [_number(v) for v in (plant.leader_x, plant.leader_y, plant.leader_theta)],
         "table": table if len(table) <= LISTED else [],
-        "gain_names": GAIN_NAMES,
+        "columns": CONTROLLER,
     }
+    robots = [_row(row) for row in _robots(deployed, plant)]
     degrees = np.diff(near.first)
     source = render(
         "controller.c",
         control=control_source(deployed.excitation, degrees.tolist()),
         degrees=sorted(set(degrees.tolist())),
         most=max(1, int(degrees.max())),
-        robots=[_row(row) for row in _robots(deployed, plant)],
+        robots=robots,
+        robot_size=len(ROBOT),
         first=near.first.tolist(),
         neighbours=near.vehicle.tolist() or [0],
         links=[_row(row) for row in links] or ["{0.0, 0.0, 0.0}"],
@@ -65,7 +67,10 @@ def c_files(deployed: Deployment) -> dict[str, str]:
 def _robots(deployed: Deployment, plant: Plant) -> NDArray[np.float64]:
     """One row per vehicle, in the order of `casadi_source.ROBOT`."""
     gains = [floats(getattr(deployed.gains, name)) for name in GAIN_NAMES]
-    return np.column_stack([*gains, plant.r, plant.arm, plant.offset_x, plant.offset_y, plant.graph.leader_weight])
+    scales = [floats(column) for column in deployed.gains.saturation.columns(len(deployed.fleet)).values()]
+    return np.column_stack(
+        [*gains, *scales, plant.r, plant.arm, plant.offset_x, plant.offset_y, plant.graph.leader_weight]
+    )
 
 
 def _row(values: Any) -> str:

@@ -16,11 +16,13 @@ from ...models.errors import UndecidedError
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.graph import Graph
+from ...models.saturation import SCALE_NAMES, Saturation
 
 # The vectors that a generated function reads, in this order; `pose` and `link` have a column for every neighbour.
 OWN = ("x", "y", "theta", "v", "omega")  # the vehicle's state
 LEADER = ("x", "y", "theta")
-ROBOT = (*GAIN_NAMES, "r", "arm", "offset_x", "offset_y", "leader_weight")
+SCALES = tuple(f"{name}_scale" for name in SCALE_NAMES)
+ROBOT = (*GAIN_NAMES, *SCALES, "r", "arm", "offset_x", "offset_y", "leader_weight")
 POSE = ("x", "y", "theta")  # of a neighbour
 LINK = ("weight", "offset_x", "offset_y")  # of the edge to it, and its place in the formation
 
@@ -93,7 +95,13 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
     )
     x, y, theta = (of_all(k, inputs.own[k], inputs.pose) for k in range(3))
     state = State(x, y, theta, of_centre(inputs.own[3]), of_centre(inputs.own[4]))
-    gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES))
+    saturation = Saturation(  # of the network, then of the vehicle
+        robot["position_scale"],
+        robot["heading_scale"],
+        of_centre(robot["speed_scale"]),
+        of_centre(robot["turn_rate_scale"]),
+    )
+    gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES), saturation)
     left, right = control(casadi_ops(), plant, gains, excitation.value(casadi_ops(), inputs.t), state)
     return left[0], right[0]
 

@@ -9,11 +9,10 @@ from pathlib import Path
 
 from ...models.errors import InputError
 from ...models.files.text import write_text
-from ...models.gains import GAIN_NAMES
 from ..deployment import Deployment, fleet_of_folder, load_deployment
 from ..escapes import no_formula
 from ..rendering import render
-from ..tables.gain_table import COLUMNS, rows
+from ..tables.gain_table import COLUMNS, CONTROLLER, rows
 
 LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
@@ -48,7 +47,7 @@ def latex_files(deployed: Deployment) -> dict[str, str]:
             evidence=deployed.evidence,
             psi=deployed.excitation.table(),
             table=table,
-            keys=(*GAIN_NAMES, "torque_bound", "torque_limit"),
+            keys=(*CONTROLLER, "torque_bound", "torque_limit"),
             long=len(table) > LONG_TABLE,
         )
     }

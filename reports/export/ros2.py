@@ -43,7 +43,8 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
     """Name -> YAML value for vehicle i. Names of ros2_control's diff_drive_controller where it has them."""
     fleet, psi = deployed.fleet, deployed.excitation
     vehicle, links = fleet.vehicles[i], near.of(i)
-    scale = 1 / math.pi if psi.over_pi else 1.0
+    unit = 1 / math.pi if psi.over_pi else 1.0
+    scales = deployed.gains.saturation.columns(len(fleet))
     origin = {key: value for key, value in deployed.evidence.items() if key != "casadi"}
     values: dict[str, Any] = {
         "vehicle": i,
@@ -56,6 +57,7 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
         "torque_limit_right": float(low(vehicle.torque_limit.right)),  # N m
         "torque_bound": float(deployed.torque_bounds[i]),  # N m
         **{name: float(getattr(deployed.gains, name)[i]) for name in GAIN_NAMES},
+        **{f"{name}_scale": float(column[i]) for name, column in scales.items()},  # m, rad, m/s, rad/s
         "leader_pose": [plant.leader_x, plant.leader_y, plant.leader_theta],  # m, m, rad
         "leader_weight": float(plant.graph.leader_weight[i]),
         "offset": [float(plant.offset_x[i]), float(plant.offset_y[i])],  # m
@@ -64,8 +66,8 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
         "neighbour_weights": [weight for _, weight in links],
         "psi_mean": float(psi.mean),
         "psi_frequency": float(psi.frequency),  # rad/s
-        "psi_sin": [scale * float(value) for value in psi.sin],
-        "psi_cos": [scale * float(value) for value in psi.cos],
+        "psi_sin": [unit * float(value) for value in psi.sin],
+        "psi_cos": [unit * float(value) for value in psi.cos],
         **origin,
     }
     # ROS takes no empty list: the node's default stands for it.

@@ -7,9 +7,10 @@ import math
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...models.errors import InputError, one_line
+from ...models.errors import InputError
 from ...models.files.fleet_file import MAX_CSV_BYTES
 from ...models.files.text import read_text
+from .terminal import TerminalTable
 
 HEADINGS = {  # of the columns, in order; the keys are fields of DesignRow
     "name": "gains",
@@ -88,19 +89,10 @@ def _number(value: Any, form: str) -> str:
     return "-" if value is None else form.format(float(value))
 
 
-def for_terminal(rows: list[DesignRow]) -> Any:
-    """A rich table of the rows."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    shown = Table(box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+def for_terminal(rows: list[DesignRow]) -> TerminalTable:
+    """The rows for a terminal."""
     columns = {key: heading for key, heading in HEADINGS.items() if key not in IN_NAMES}
-    for heading in columns.values():
-        shown.add_column(heading, justify="right" if len(shown.columns) else "left", no_wrap=True)
-    for row in rows:
-        shown.add_row(*(Text(one_line(getattr(row, key))) for key in columns))
-    return shown
+    return TerminalTable(list(columns.values()), [[getattr(row, key) for key in columns] for row in rows])
 
 
 def read_json(path: Path) -> Any:

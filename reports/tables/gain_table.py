@@ -7,17 +7,19 @@ import io
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from ...models.conditions import exact_numbers, torque_bound
-from ...models.errors import one_line
 from ...models.excitation import Excitation
 from ...models.files.text import write_text
 from ...models.fleet import Fleet
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.numbers import decimal_text
+from .terminal import TerminalTable
 
 DIGITS = 8  # of a torque bound, rounded up
+SHOWN = 20  # vehicles in the table on a terminal
+HEADINGS = {"torque_bound": "bound", "torque_limit": "limit", "speed_scale": "s", "turn_rate_scale": "o"}
 
 
 class GainRow(NamedTuple):
@@ -29,22 +31,31 @@ class GainRow(NamedTuple):
     p_omega: str
     d_omega: str
     k_alpha: str
+    position_scale: str  # m, the same for all, as is the next
+    heading_scale: str  # rad
+    speed_scale: str  # m/s
+    turn_rate_scale: str  # rad/s
     torque_bound: str  # T of (16*), rounded up
     torque_limit: str  # the smaller one of both wheels
     margin: str  # rounded down
 
 
 COLUMNS = GainRow._fields
+SCALES = COLUMNS[6:10]
+NETWORK_SCALES = SCALES[:2]  # the same for all vehicles
+CONTROLLER = COLUMNS[1:-3]  # the numbers of the control law: gains and scales
 
 
 def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[GainRow]:
     """One row per vehicle."""
     data = fleet.condition_data(excitation)
     bounds = torque_bound(exact_numbers(), data, gains)
+    scales = gains.saturation.columns(len(fleet))
     return [
         GainRow(
             vehicle=name,
             **{key: decimal_text(getattr(gains, key)[i]) for key in GAIN_NAMES},
+            **{f"{key}_scale": decimal_text(Fraction(column[i])) for key, column in scales.items()},
             torque_bound=decimal(bounds[i], ROUND_CEILING),
             torque_limit=decimal_text(data.torque[i]),
             margin=decimal(data.torque[i] - bounds[i], ROUND_FLOOR),
@@ -66,20 +77,14 @@ def write_csv(path: Path, table: list[GainRow]) -> Path:
     return write_text(path, text.getvalue())
 
 
-def for_terminal(table: list[GainRow], most: int = 20) -> Any:
-    """A rich table of the first rows."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
-
-    shown = Table(
-        box=SIMPLE_HEAD, padding=(0, 1, 0, 0), caption="torques in N m, the bound is (16*); exact gains in gains.csv"
-    )
-    for key in COLUMNS:
-        heading = key.removeprefix("torque_")
-        shown.add_column(heading, justify="left" if key == "vehicle" else "right", no_wrap=True)
-    for row in table[:most]:
-        shown.add_row(Text(one_line(row.vehicle)), *(f"{float(text):.4g}" for text in row[1:]))
-    if len(table) > most:
-        shown.add_row(f"... and {len(table) - most} more", *[""] * (len(COLUMNS) - 1))
-    return shown
+def for_terminal(table: list[GainRow]) -> TerminalTable:
+    """The first rows for a terminal; the scales where they are not all 1."""
+    unit = all(getattr(row, key) == "1" for row in table for key in SCALES)
+    network = "" if unit else f"; scales: position {table[0].position_scale} m, heading {table[0].heading_scale} rad"
+    keys = [key for key in COLUMNS if key not in (SCALES if unit else NETWORK_SCALES)]
+    rows = [[row.vehicle, *(f"{float(getattr(row, key)):.4g}" for key in keys[1:])] for row in table[:SHOWN]]
+    if len(table) > SHOWN:
+        rows.append([f"... and {len(table) - SHOWN} more", *[""] * (len(keys) - 1)])
+    headings = [HEADINGS.get(key, key) for key in keys]
+    caption = f"torques in N m, the bound is (16*); exact gains in gains.csv{network}"
+    return TerminalTable(headings, rows, caption)

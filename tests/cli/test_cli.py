@@ -6,6 +6,7 @@ import os
 import resource
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -14,6 +15,7 @@ import pytest
 from gaincert import __version__
 from gaincert.cli_app import app
 from gaincert.models.tolerance import Tolerance
+from gaincert.verify.simulation.summary import IntegrationError, Summary
 from gaincert.workflows.compare import variants_of
 from gaincert.workflows.design import DesignOptions
 from gaincert.workflows.simulate import sensitivity, sentence
@@ -309,16 +311,21 @@ def test_every_verb_and_every_option_says_what_it_does(verb: str) -> None:
 
 
 def test_a_chaotic_run_is_called_sensitive_and_not_wrong() -> None:
-    summary = {
-        "settling_time_s": 400.0,
-        "horizon_s": 600.0,
-        "peak_torque_ratio": 0.5,
-        "final_position_error_m": 0.01,
-        "final_heading_error_rad": 0.01,
-        "integration_error_m": 9.0,
-    }
-    assert "error below" not in sentence(summary)
-    assert "sensitive" in " ".join(sensitivity(summary))
-    calm = {**summary, "integration_error_m": 1e-9}
+    calm = Summary(
+        settling_time=400.0,
+        tolerance=Tolerance(),
+        horizon=600.0,
+        peak_torque_ratio=0.5,
+        final_position_error=0.01,
+        final_heading_error=0.01,
+        max_V_increase=0.0,
+        peak_speed=1.0,
+        peak_turn_rate=1.0,
+        violations=(),
+        integration_error=IntegrationError(1e-9, 1e-9),
+    )
+    chaotic = replace(calm, integration_error=IntegrationError(9.0, 1.0))
+    assert "error below" not in sentence(chaotic)
+    assert "sensitive" in " ".join(sensitivity(chaotic))
     assert "integration error below 1e-09 m" in sentence(calm)
     assert sensitivity(calm) == []

@@ -7,6 +7,7 @@ from gaincert.models.paper import paper_fleet
 from gaincert.reports.html.page import write_report
 from gaincert.verify import proof
 
+from tests.models.conftest import draw_gains  # noqa: F401 -- exports are tested with every choice of the scales
 from tests.reports.report_folder import ATTACKS, HOSTILE, fill, renamed
 
 
