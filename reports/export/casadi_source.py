@@ -101,7 +101,7 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
         of_centre(robot["speed_scale"]),
         of_centre(robot["turn_rate_scale"]),
     )
-    gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES), saturation)
+    gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES), saturation=saturation)
     left, right = control(casadi_ops(), plant, gains, excitation.value(casadi_ops(), inputs.t), state)
     return left[0], right[0]
 
