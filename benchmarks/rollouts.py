@@ -21,7 +21,7 @@ from gaincert.models.files.fleet_file import load_fleet as load
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.synthesis.programs.excitation import flat_tones
-from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
+from gaincert.synthesis.rollouts.closed_loop import ClosedLoop, Controls
 from gaincert.synthesis.rollouts.compiler import Single
 from gaincert.synthesis.settings import FAST
 
@@ -36,7 +36,8 @@ def measure(fleet: Fleet) -> dict[str, float]:
     state = random.normal(0, 4, (len(State._fields), vehicles, columns)).astype(Single)
     gains = random.uniform(0.5, 2, (len(GAIN_NAMES), vehicles, columns)).astype(Single)
     times, rates = random.uniform(0, 6, columns), np.empty_like(state)
-    fill = ClosedLoop(fleet.plant(), psi).problem(gains, np.ones(columns))(state, rates)
+    controls = Controls.of([Gains(*gains[..., k]) for k in range(columns)], [1.0] * columns)
+    fill = ClosedLoop(fleet.plant(), psi).problem(controls)(state, rates)
 
     single = fleet.plant().map(lambda values: np.asarray(values, dtype=Single))
     ops, wave = sparse_ops(single.graph, Single), psi.map(Single)

@@ -38,19 +38,19 @@ class Channel:
     torque: Floats  # (N,), N m
 
 
-def translation(plant: Plant, limits: ConditionData, share: float) -> Channel:
+def translation(plant: Plant, data: ConditionData, share: float) -> Channel:
     """The along-track channel, with a share of the torque limit; its part of (16)."""
-    unit = limits.r / 2
-    return Channel(plant.m, limits.degree, unit * np.sqrt(2) * limits.degree, unit, share * limits.torque)
+    unit = data.r / 2
+    return Channel(plant.m, data.degree, unit * np.sqrt(2) * data.degree, unit, share * data.torque)
 
 
-def rotation(plant: Plant, limits: ConditionData, share: float, excitation: float) -> Channel:
+def rotation(plant: Plant, data: ConditionData, share: float, excitation: float) -> Channel:
     """The heading channel, with a share of the torque limit; its part of (16).
 
     `excitation` is sqrt2 k psi_bar / p_omega, which the excitation costs beside the heading error.
     """
-    unit = limits.r / (2 * limits.arm)
-    return Channel(plant.inertia, limits.degree, unit * limits.degree * (1 + excitation), unit, share * limits.torque)
+    unit = data.r / (2 * data.arm)
+    return Channel(plant.inertia, data.degree, unit * data.degree * (1 + excitation), unit, share * data.torque)
 
 
 def fastest(

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -25,12 +25,38 @@ from ...models.equations import (
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.graph import Graph
-from ...models.saturation import Saturation
+from ...models.saturation import SCALE_NAMES, Saturation
 from .compiler import At, Compiled, LoopNest, Single, compiled, pointer, single_ops
 from .runge_kutta import Array, Problem, Rate
 
 PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
 COORDINATES = 3  # x, y and theta, of which the graph compares those of neighbours
+NETWORK_SCALES, VEHICLE_SCALES = SCALE_NAMES[:2], SCALE_NAMES[2:]
+
+
+class Controls(NamedTuple):
+    """The controller's numbers of many fleets side by side, as singles."""
+
+    gains: Array  # (5, N, B), in the order of GAIN_NAMES
+    vehicle_scales: Array  # (2, N, B), speed and turn rate
+    network_scales: Array  # (2, B), position and heading
+    frequency: Array  # (B,), doubles, rad/s, of psi
+
+    @classmethod
+    def of(cls, gains: Sequence[Gains], frequency: Sequence[float]) -> Controls:
+        """Those of several fleets of equal size."""
+        vehicles = len(gains[0].p_v)
+        scales = [one.saturation.columns(vehicles) for one in gains]
+        return cls(
+            stacked([[getattr(one, name) for name in GAIN_NAMES] for one in gains]),
+            stacked([[one[name] for name in VEHICLE_SCALES] for one in scales]),
+            np.ascontiguousarray(stacked([[one[name] for name in NETWORK_SCALES] for one in scales])[:, 0]),
+            np.array(frequency, dtype=float),
+        )
+
+    def take(self, numbers: Array) -> Controls:
+        """Those of the fleets with these numbers."""
+        return Controls(*(np.ascontiguousarray(array[..., numbers]) for array in self))
 
 
 class ClosedLoop:
@@ -41,13 +67,15 @@ class ClosedLoop:
         self._numbers = rows([getattr(plant, name) for name in PLANT], plant.graph.vehicles)
         self._loops = _loops(replace(excitation, frequency=Fraction(1)))
 
-    def problem(self, gains: Array, frequency: Array) -> Problem:
-        """The rates (5, N, B) of states (5, N, B), under gains (5, N, B) of singles and frequencies (B,), rad/s."""
-        graph, (vehicles, width) = self._graph, gains.shape[1:]
+    def problem(self, controls: Controls) -> Problem:
+        """The rates (5, N, B) of states (5, N, B)."""
+        graph, (vehicles, width) = self._graph, controls.gains.shape[1:]
         turns, sums = np.empty(width, Single), np.empty((COORDINATES, vehicles, width), Single)
-        turning = frequency / (2 * math.pi)
+        turning = controls.frequency / (2 * math.pi)
         shared = {
-            "gains": gains,
+            "gains": controls.gains,
+            "vehicle_scales": controls.vehicle_scales,
+            "network_scales": controls.network_scales,
             "plant": self._numbers,
             "weight": graph.weight,
             "leader_weight": graph.leader_weight,
@@ -83,15 +111,22 @@ def rows(values: Sequence[Any], items: int) -> Array:
     return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
 
 
+def stacked(values: Sequence[Sequence[Any]]) -> Array:
+    """Columns (N,) of several fleets, (fleets, columns), as singles (columns, N, fleets)."""
+    return np.ascontiguousarray(np.moveaxis(np.array(values, dtype=Single), 0, 2))
+
+
 @lru_cache(maxsize=16)
 def _loops(excitation: Excitation) -> dict[str, Compiled]:
     """(13)-(14) in loops over the columns, the vehicles and the edges."""
     symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
-    ops, saturation = single_ops(), Saturation()
+    ops = single_ops()
     weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
     numbers, gains, rows = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
     nobody = np.zeros(0, dtype=np.int64)
     plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
+    vehicle_scales, network_scales = symbol("vehicle_scales", 2), symbol("network_scales", 2)
+    saturation = Saturation(*ca.vertsplit(network_scales), *ca.vertsplit(vehicle_scales))
     state, scales = State(*ca.vertsplit(rows)), coordinate_scales(saturation)
     sums, z_tail, z_head = (symbol(name, COORDINATES) for name in ("sums", "z_tail", "z_head"))
     at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
@@ -116,17 +151,34 @@ def _loops(excitation: Excitation) -> dict[str, Compiled]:
                 [("z", each)],
             ),
             "edges": LoopNest(
-                ca.Function("f", [z_tail, z_head, weight, at_tail, at_head], [at_tail + force, at_head - force]),
-                [("z", At.TAIL), ("z", At.HEAD), ("weight", item), ("sums", At.TAIL), ("sums", At.HEAD)],
+                ca.Function(
+                    "f",
+                    [z_tail, z_head, weight, network_scales, at_tail, at_head],
+                    [at_tail + force, at_head - force],
+                ),
+                [
+                    ("z", At.TAIL),
+                    ("z", At.HEAD),
+                    ("weight", item),
+                    ("network_scales", column),
+                    ("sums", At.TAIL),
+                    ("sums", At.HEAD),
+                ],
                 [("sums", At.TAIL), ("sums", At.HEAD)],
             ),
             "vehicles": LoopNest(
-                ca.Function("f", [rows, numbers, leader_weight, gains, psi, sums], [ca.vertcat(*rates)]),
+                ca.Function(
+                    "f",
+                    [rows, numbers, leader_weight, gains, vehicle_scales, network_scales, psi, sums],
+                    [ca.vertcat(*rates)],
+                ),
                 [
                     ("state", each),
                     ("plant", item),
                     ("leader_weight", item),
                     ("gains", each),
+                    ("vehicle_scales", each),
+                    ("network_scales", column),
                     ("psi", column),
                     ("sums", each),
                 ],

@@ -17,10 +17,10 @@ import numpy as np
 from ...models.deadline import Deadline
 from ...models.equations import Plant, State
 from ...models.excitation import Excitation
-from ...models.gains import GAIN_NAMES, Gains
+from ...models.gains import Gains
 from ...models.tolerance import Tolerance
 from ..settings import FAST, Settings
-from .closed_loop import ClosedLoop, rows
+from .closed_loop import ClosedLoop, Controls, rows, stacked
 from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
 from .runge_kutta import BOGACKI_SHAMPINE, Array, Stepper
 
@@ -91,10 +91,10 @@ class _Batch:
         self._abandon_above = limits.abandon_above * len(starts)  # s, of the sum over the starts
         self._width = max(1, settings.simulated_vehicles // plant.graph.vehicles)
         self._closed_loop = ClosedLoop(plant, trials[0].excitation)
-        self._gains = _stacked(GAIN_NAMES, [trial.gains for trial in trials])
-        self._starts = _stacked(State._fields, starts)
-        self._frequency = np.array([float(trial.excitation.frequency) for trial in trials])
-        self._hold = np.maximum(settings.settled_for, 2 * math.pi / self._frequency)
+        frequencies = [float(trial.excitation.frequency) for trial in trials]
+        self._controls = Controls.of([trial.gains for trial in trials], frequencies)
+        self._starts = stacked(starts)
+        self._hold = np.maximum(settings.settled_for, 2 * math.pi / self._controls.frequency)
         reference = plant.offset_x + plant.leader_x, plant.offset_y + plant.leader_y
         self._goal = rows([*reference, plant.leader_theta], plant.graph.vehicles)
         self._within = rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
@@ -163,9 +163,7 @@ class _Batch:
 
     def _side_by_side(self, t: Array, y: Array, h: Array) -> Stepper:
         """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
-        trial = self._trial[self._at]
-        gains = np.ascontiguousarray(self._gains[..., trial])
-        problem = self._closed_loop.problem(gains, self._frequency[trial])
+        problem = self._closed_loop.problem(self._controls.take(self._trial[self._at]))
         stepper = Stepper(BOGACKI_SHAMPINE, problem, t, y, h, self._settings.accuracy)
         self._furthest = np.empty((2, len(t)), Single)
         observed = {
@@ -213,9 +211,3 @@ def _distances() -> Compiled:
         [("furthest", At.COLUMN)],
     )
     return compiled({"distances": loop})["distances"]
-
-
-def _stacked(names: Sequence[str], items: Sequence[Any]) -> Array:
-    """The attributes of those names of every item, (names, N, items)."""
-    columns = [[np.asarray(getattr(item, name), dtype=Single) for item in items] for name in names]
-    return np.ascontiguousarray(np.moveaxis(np.array(columns), 1, 2))

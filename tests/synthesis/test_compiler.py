@@ -13,9 +13,10 @@ from gaincert.models.equations import Plant, State, closed_loop
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet
+from gaincert.models.saturation import Saturation
 from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.rollouts import compiler
-from gaincert.synthesis.rollouts.closed_loop import ClosedLoop
+from gaincert.synthesis.rollouts.closed_loop import ClosedLoop, Controls
 from gaincert.synthesis.rollouts.compiler import At, LoopNest, Single, compiled, pointer, single_ops
 from gaincert.synthesis.rollouts.runge_kutta import BOGACKI_SHAMPINE, DORMAND_PRINCE, Stepper, Tableau
 from gaincert.synthesis.settings import Accuracy
@@ -66,13 +67,14 @@ def single_precision_bound(plant: Plant, gains: Gains, tones: float) -> State:
     """How far the compiled rates may be from the exact ones, each (N,), for |psi| <= tones.
 
     Write d for the error of one sin, cos or tanh: 1e-5 of the function itself (the first test of this file) and 5e-6
-    because its argument is rounded (a few times 2^-24 of lengths up to 50 m, and of the angles in psi).
+    because its argument is rounded (a few times 2^-24 of lengths up to 50 m over scales of at least 0.5, and of the
+    angles in psi): twice that.
     To first order in d, with |tanh| <= 1 and |cos| + |sin| <= sqrt2:
     each component of (8) and (10) is within D d; phi^T e_z and phi_perp^T e_z are within (2 + sqrt2) D d, and at most
     sqrt2 D; psi is within tones d. Hence u_v of (7) and u_omega of (9) are within the first two lines below. The
     torques (6) mix both inputs and (2) separates them again: each then carries a few roundings of the other.
     """
-    d, rounding = 1.5e-5, 16 * 2.0**-24
+    d, rounding = 2e-5, 16 * 2.0**-24
     degree, arm = plant.graph.degree, np.abs(plant.arm)
     u_v = d * ((2 + math.sqrt(2)) * gains.p_v * degree + gains.d_v)
     u_omega = d * (gains.p_omega * degree + gains.d_omega + (2 + 2 * math.sqrt(2)) * gains.k_alpha * tones * degree)
@@ -94,14 +96,15 @@ def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) ->
     vehicles, psi = len(fleet), replace(flat_tones(), frequency=Fraction(7, 5))
     plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
     gains = random.uniform(0.3, 3, (len(GAIN_NAMES), vehicles)).astype(Single)
+    scales = random.uniform(0.5, 2, (2, vehicles)).astype(Single).astype(float)
+    exact_gains = Gains(*gains.astype(float), Saturation(0.75, 1.5, *scales))
     spread = SPREAD[:, None, None]
     starts = random.uniform(-spread, spread, (5, vehicles, columns)).astype(Single)
     times = random.uniform(0, 20, columns)
     loop = ClosedLoop(plant, psi)
-    problem = loop.problem(np.repeat(gains[..., None], columns, axis=2), np.full(columns, float(psi.frequency)))
+    problem = loop.problem(Controls.of([exact_gains] * columns, [float(psi.frequency)] * columns))
     found = np.empty_like(starts)
     problem(starts, found)(times)
-    exact_gains = Gains(*gains.astype(float))
     bound = single_precision_bound(plant, exact_gains, sum(abs(float(value)) for value in psi.sin))
     for k, t in enumerate(times):
         now, state = psi.value(numpy_ops(), t), State(*starts[..., k].astype(float))
