@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= out/paper
 
-.PHONY: demo test check bench fuzz docs lock clean
+.PHONY: demo test check bench formal fuzz docs lock clean
 
 demo: $(VENV)/base
 	$(BIN)/gaincert run examples/paper.toml -o $(OUT)
@@ -21,6 +21,10 @@ check: $(VENV)/dev
 
 bench: $(VENV)/test
 	$(BIN)/python -m benchmarks
+
+# The machine-checked theorem; Coq comes from the system, and the check says which packages it wants.
+formal:
+	$(PYTHON) -I verify/formal/check.py
 
 fuzz: $(VENV)/test
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e ".[fuzz]"

@@ -1,10 +1,15 @@
 """The fleets, gains, excitations and states over which laws are tested: every graph family, both drives, both schemes.
 
-pytest imports tests with --import-mode=importlib, so what tests share are fixtures, here.
+Also the tools that some tests need: `@pytest.mark.needs("ffmpeg")` skips a test where ffmpeg is missing and says what
+to install. With CI=true in the environment any other skipped test is a failure.
 """
 
+import importlib.util
+import os
+import shutil
 import zlib
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +20,65 @@ from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+
+SHARED = Path(__file__).parents[2] / "shared"  # public robot descriptions and fleets beside the project
+# What a test may need: any of these programs, Python modules or folders, and how to get it.
+TOOLS = {
+    "gcc": (["gcc"], "apt-get install gcc"),
+    "make": (["make"], "apt-get install make"),
+    "latex": (["pdflatex"], "apt-get install texlive-latex-recommended"),
+    "ffmpeg": (["ffmpeg"], "apt-get install ffmpeg"),
+    "chromium": (["chromium", "chromium-browser", "google-chrome"], "apt-get install chromium"),
+    "coqc": (["coqc"], "apt-get install coq libcoq-coquelicot libcoq-interval"),
+    "playwright": (["playwright.sync_api"], "pip install '.[browser]'"),
+    "mkdocs": (["mkdocs"], "pip install '.[docs]'"),
+    "mkdocstrings": (["mkdocstrings"], "pip install '.[docs]'"),
+    "yaml": (["yaml"], "pip install '.[test]'"),
+    "z3": (["z3"], "pip install '.[test]'"),
+    "distributed": (["distributed"], "pip install '.[test]'"),
+    "shared": ([str(SHARED)], f"the folder {SHARED.name} has to lie beside the project"),
+    "proc": (["/proc/self/stat"], "the tests of processes read /proc, which Linux has"),
+}
+
+
+def _is_there(name):
+    """Whether a program on the PATH, a Python module or a file has this name."""
+    if "/" in name:
+        return Path(name).exists()
+    if shutil.which(name):
+        return True
+    return importlib.util.find_spec(name.split(".")[0]) is not None
+
+
+def _missing():
+    """{tool: what to install} of every tool that is not there."""
+    return {
+        tool: f"{tool} is missing: {remedy}"
+        for tool, (names, remedy) in TOOLS.items()
+        if not any(map(_is_there, names))
+    }
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_runtest_setup(item):
+    missing = _missing()
+    for marker in item.iter_markers("needs"):
+        for tool in marker.args:
+            assert tool in TOOLS, f"{tool!r} is not in TOOLS of tests/conftest.py"
+            if tool in missing:
+                pytest.skip(missing[tool])
+
+
+def pytest_sessionfinish(session):
+    """In CI a test may be skipped for a missing tool alone."""
+    reporter = session.config.pluginmanager.get_plugin("terminalreporter")
+    if os.environ.get("CI") != "true" or reporter is None:
+        return
+    for report in reporter.stats.get("skipped", []):
+        reason = str(report.longrepr[2]).removeprefix("Skipped: ")
+        if reason not in _missing().values():
+            reporter.write_line(f"\nskipped without a missing tool: {report.nodeid}: {reason}", red=True)
+            session.exitstatus = pytest.ExitCode.TESTS_FAILED
 
 
 def _random_tree(random, n):

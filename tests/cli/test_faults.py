@@ -439,7 +439,7 @@ GAINS = {
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(not Path("/proc/self/stat").exists(), reason="processes are found in /proc")
+@pytest.mark.needs("proc")
 def test_kills_and_interrupts_leave_nothing_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The benchmark benchmarks/faults.py for one command, at fixed moments."""
     monkeypatch.setitem(faults.COMMANDS, "validate", [*faults.COMMANDS["validate"][:-3], "60", "--horizon", "300"])

@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -48,7 +47,7 @@ def shell(tmp_path):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("gcc") is None or shutil.which("make") is None, reason="no C compiler")
+@pytest.mark.needs("gcc", "make")
 @pytest.mark.parametrize("page", having("sh"))
 def test_shell_blocks_run_one_after_the_other(page, shell):
     work = shell("sh", "-e", "-c", "\n".join(blocks(page, "sh")))
@@ -72,7 +71,7 @@ def test_toml_blocks_are_fleets_or_gains(page, tmp_path):
             assert len(load_gains(path, paper_fleet()).gains.p_v) == 6
 
 
-@pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+@pytest.mark.needs("gcc")
 @pytest.mark.parametrize("page", having("c"))
 def test_c_blocks_are_what_the_header_declares(page):
     header = (ROOT / "reports" / "templates" / "controller.h.jinja").read_text()
@@ -112,9 +111,8 @@ def test_every_verb_and_output_file_is_documented():
 
 
 @pytest.mark.slow
+@pytest.mark.needs("mkdocs", "mkdocstrings")
 def test_it_builds_without_a_warning(tmp_path):
-    pytest.importorskip("mkdocs")
-    pytest.importorskip("mkdocstrings")
     (tmp_path / "types").mkdir()
     (tmp_path / "types" / "gaincert").symlink_to(ROOT)
     configuration = (ROOT / "mkdocs.yml").read_text().replace("build/types", str(tmp_path / "types"))

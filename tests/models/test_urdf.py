@@ -138,7 +138,7 @@ def test_any_attitude_of_a_frame_gives_the_rotated_tensor(tmp_path, seed):
     assert float(found["inertia"]) - INERTIA + 0.5 == pytest.approx((R @ tensor @ R.T)[2, 2], abs=1e-10)
 
 
-@pytest.mark.skipif(not TURTLEBOT.exists(), reason="the real robot's URDF is not here")
+@pytest.mark.needs("shared")
 def test_the_turtlebot3_burger():
     # The base about its own vertical; wheels at +-0.08 m, rolled by -1.57; caster at -0.081, scanner at -0.032.
     s, c = math.sin(-1.57), math.cos(-1.57)

@@ -5,7 +5,6 @@ import ctypes
 import importlib.util
 import json
 import math
-import shutil
 import subprocess
 import sys
 import tomllib
@@ -39,7 +38,7 @@ HOSTILE = (
     "=1+1",
     "a: [1, {b: !!python/object}]\n- x",
 )
-compiler = pytest.mark.skipif(shutil.which("gcc") is None, reason="a C compiler is missing: apt-get install gcc")
+compiler = pytest.mark.needs("gcc")
 
 
 def deployed_of(fleet: Fleet, excitation: object, gains: object) -> Deployment:
@@ -233,9 +232,7 @@ def test_no_cell_begins_a_formula(text):
     assert no_formula("a" + text) == "a" + text
 
 
-@pytest.mark.skipif(
-    shutil.which("pdflatex") is None, reason="LaTeX is missing: apt-get install texlive-latex-recommended"
-)
+@pytest.mark.needs("latex")
 @pytest.mark.parametrize("many", [1, 8])
 def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
     fleet = hostile_fleet()
@@ -274,8 +271,10 @@ def test_markdown_has_one_line_for_each_vehicle_and_no_markup_of_names():
 # -- ROS 2 ------------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.needs("yaml")
 def test_ros2_parameters_load_with_the_types_that_ros_wants():
-    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
+    import yaml
+
     deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
     content = yaml.safe_load(FORMATS["ros2"](deployed)["gaincert.yaml"])
     assert list(content) == [f"/v{i}/gaincert_controller" for i in range(1, 7)]
@@ -293,8 +292,10 @@ def test_ros2_parameters_load_with_the_types_that_ros_wants():
         assert [] not in parameters.values()
 
 
+@pytest.mark.needs("yaml")
 def test_hostile_names_are_yaml_strings_and_no_ros_names():
-    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
+    import yaml
+
     content = yaml.safe_load(
         FORMATS["ros2"](deployed_of(hostile_fleet(), paper_excitation(), paper_gains()))["gaincert.yaml"]
     )
@@ -303,9 +304,11 @@ def test_hostile_names_are_yaml_strings_and_no_ros_names():
     assert namespaces(["a", "b__c"]) == ["vehicle_0", "vehicle_1"]
 
 
+@pytest.mark.needs("yaml")
 @pytest.mark.parametrize("text", ["plain", *HOSTILE, "\x00\x7f\x85\u2028\ufeff", "\U0001f916", "'", "# x"])
 def test_text_survives_yaml(text):
-    yaml = pytest.importorskip("yaml", reason="PyYAML is missing: pip install pyyaml")
+    import yaml
+
     assert yaml.safe_load(yaml_text(text)) == text
 
 

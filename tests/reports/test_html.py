@@ -251,7 +251,7 @@ def test_mp4_without_ffmpeg_is_bad_usage(folder, monkeypatch):
 
 
 @pytest.mark.slow
-@pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is missing: apt-get install ffmpeg")
+@pytest.mark.needs("ffmpeg")
 def test_an_mp4_is_written(folder, monkeypatch):
     from gaincert.reports.figures import movie
 

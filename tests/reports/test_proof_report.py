@@ -1,7 +1,6 @@
 """The proof report: five files, escaped, typeset, and a LaTeX document that compiles."""
 
 import json
-import shutil
 import subprocess
 
 import pytest
@@ -59,9 +58,7 @@ def test_hostile_names_are_escaped(hostile_claims, tmp_path):
     ElementTree.parse(tmp_path / "proof_graph.svg")
 
 
-@pytest.mark.skipif(
-    shutil.which("pdflatex") is None, reason="LaTeX is missing: apt-get install texlive-latex-recommended"
-)
+@pytest.mark.needs("latex")
 @pytest.mark.parametrize("hostile", [False, True])
 def test_latex_compiles(claims, hostile_claims, tmp_path, hostile):
     proof_report.write_documents(hostile_claims if hostile else claims, tmp_path)

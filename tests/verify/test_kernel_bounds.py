@@ -85,7 +85,7 @@ HOSTILE: dict[str, tuple[Callable[[], str], str]] = {
 }
 
 
-@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is read from /proc")
+@pytest.mark.needs("proc")
 @pytest.mark.parametrize("kind", HOSTILE)
 def test_hostile_files_cost_little(kind: str, tmp_path: Path) -> None:
     write, words = HOSTILE[kind]

@@ -201,11 +201,8 @@ def test_z3_is_optional(monkeypatch):
     assert "not installed" in finding.second
 
 
+@pytest.mark.needs("z3")
 def test_z3_agrees_everywhere(claims):
-    from gaincert.verify.proof import second_opinion
-
-    if not second_opinion.available():
-        pytest.skip("z3-solver is not installed")
     seconds = [claim.second for claim in claims.values() if claim.second]
     assert len(seconds) >= 20
     assert not any("DISAGREES" in second for second in seconds)

@@ -278,8 +278,10 @@ def test_a_starts_file_and_its_mistakes(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.needs("distributed")
 def test_a_dask_cluster_gives_the_same_numbers_though_a_worker_is_killed(paper, chosen, tmp_path: Path) -> None:
-    distributed = pytest.importorskip("distributed")
+    import distributed
+
     spec, starts = spec_of(paper, chosen, horizon=100.0), random_starts(paper, 24, 3, 20.0)
     with local(2) as (pool, workers):
         expected = validate(spec, starts, tmp_path / "local", pool, workers)
