@@ -8,14 +8,14 @@ safe direction, so that an inequality that holds in fractions holds in truth.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 
 import numpy as np
 
 from .arrays import Array
-from .enclosures import sqrt_above, tanh_below
+from .enclosures import atanh_above, sqrt_above, tanh_below
 from .errors import InputError
 from .gains import GAIN_NAMES, Gains
 
@@ -25,7 +25,8 @@ class Numbers:
     """What the conditions need beyond + - * /."""
 
     sqrt2_norm: Callable[..., Array]  # sqrt2 times the Euclidean norm of its arguments; rounded up where inexact
-    tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact; endless where it is
+    tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact; inf for an infinite argument
+    atanh: Callable[[Array], Array] | None  # of numbers >= 0; rounded up where inexact; inf from 1 on; None: not there
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,7 +61,14 @@ class ConditionData:
     arm: Array  # (N,), m, |lever arm|: 2R in (2) as printed, R on a physical drive
     torque: Array  # (N,), N m, min of the left and right limit
     speed: Array  # (N,), m/s, math.inf where none is asked for
-    turn_rate: Array  # (N,), rad/s, math.inf where none is asked for
+    turn_rate: Array  # (N,), rad/s, math.inf where none is asked for, and so are the limits below
+    wheel_speed: Array  # (N,), rad/s, of either wheel
+    acceleration: Array  # (N,), m/s^2
+    turn_acceleration: Array  # (N,), rad/s^2
+    m: Array  # (N,), kg, the least effective mass
+    inertia: Array  # (N,), kg m^2, the least effective inertia
+    longest_arm: Array  # (N,), m
+    smallest_r: Array  # (N,), m
 
     def map(self, convert: Callable[[Array], Array]) -> ConditionData:
         """The same data with every array converted."""
@@ -135,6 +143,32 @@ def turn_rate_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> 
     return Inequality("turn rate limit", "heading and excitation bound, N m", small, large, _TURNING)
 
 
+def wheel_speed_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """s atanh(sqrt2 p_v D / d_v) + arm o atanh((p_omega D + c) / d_omega) <= r W for a limit W of the wheels.
+
+    The two terms are the speed V and the arm's speed arm Omega that (f) of the theorem certifies; a wheel turns at most
+    at (V + arm Omega) / r. Both are convex in a common factor of p_v, p_omega and k_alpha, and 0 with it.
+    """
+    if numbers.atanh is None:
+        raise TypeError("the wheel-speed condition needs atanh")
+    V = gains.saturation.speed * numbers.atanh(pulling_bound(numbers, data, gains) / gains.d_v)
+    Omega = gains.saturation.turn_rate * numbers.atanh(turning_bound(numbers, data, gains) / gains.d_omega)
+    small, large = V + data.longest_arm * Omega, data.smallest_r * data.wheel_speed
+    return Inequality("wheel speed limit", "rim speed, m/s", small, large, ("p_v", *_TURNING))
+
+
+def acceleration_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """d_v + sqrt2 p_v D <= a m for a limit a of |v'|."""
+    small = gains.d_v + pulling_bound(numbers, data, gains)
+    return Inequality("acceleration limit", "force bound, N", small, data.acceleration * data.m, ("p_v", "d_v"))
+
+
+def turn_acceleration_condition(numbers: Numbers, data: ConditionData, gains: Gains) -> Inequality:
+    """d_omega + p_omega D + c <= a I for a limit a of |omega'|."""
+    small, large = gains.d_omega + turning_bound(numbers, data, gains), data.turn_acceleration * data.inertia
+    return Inequality("turn acceleration limit", "moment bound, N m", small, large, ("d_omega", *_TURNING))
+
+
 Condition = Callable[[Numbers, ConditionData, Gains], Inequality]
 
 _TURNING = ("p_omega", "k_alpha")
@@ -143,15 +177,15 @@ _TURNING = ("p_omega", "k_alpha")
 @cache
 def float_numbers() -> Numbers:
     """Floats: plain rounding, for display and search; never for a verdict."""
-    return Numbers(lambda *parts: np.sqrt(2 * _squares(*parts)), _tanh_or(np.inf))
+    return Numbers(lambda *parts: np.sqrt(2 * _squares(*parts)), _tanh_or(np.inf), _float_atanh)
 
 
 @cache
 def exact_numbers() -> Numbers:
     """Object arrays of `Fraction`: roots exact where rational, else rounded up; tanh rounded down."""
     root = np.frompyfunc(sqrt_above, 1, 1)
-    hyperbolic = np.frompyfunc(tanh_below, 1, 1)
-    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
+    tanh, atanh = (np.frompyfunc(function, 1, 1) for function in (tanh_below, atanh_above))
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), tanh, atanh)
 
 
 @cache
@@ -159,7 +193,7 @@ def cvxpy_numbers() -> Numbers:
     """`Elementwise` cvxpy expressions that are affine in the gains: the conditions come out as second-order cones."""
     from .algebra.cvxpy_arrays import sqrt2_norm
 
-    return Numbers(sqrt2_norm, _tanh_or(NEVER_BINDS))
+    return Numbers(sqrt2_norm, _tanh_or(NEVER_BINDS), None)
 
 
 @cache
@@ -167,8 +201,13 @@ def casadi_numbers() -> Numbers:
     """CasADi columns."""
     import casadi as ca
 
-    endless = _tanh_or(math.inf)
-    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(endless(ca.DM(q).full())))
+    tanh = _tanh_or(math.inf)
+
+    def atanh(q: Array) -> Array:
+        inside = ca.fmin(q, 1 - 1e-9)  # what is 1 or more is as good as broken
+        return ca.log((1 + inside) / (1 - inside)) / 2
+
+    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(tanh(ca.DM(q).full())), atanh)
 
 
 @cache
@@ -178,17 +217,23 @@ def sympy_numbers() -> Numbers:
     import sympy as sp
 
     root = np.frompyfunc(sp.sqrt, 1, 1)
-    hyperbolic = np.frompyfunc(lambda q: sp.oo if q == math.inf else sp.tanh(q), 1, 1)
-    return Numbers(lambda *parts: root(2 * _squares(*parts)), hyperbolic)
+    tanh = np.frompyfunc(lambda q: sp.oo if q == math.inf else sp.tanh(q), 1, 1)
+    atanh = np.frompyfunc(lambda q: sp.oo if q >= 1 else sp.atanh(q), 1, 1)
+    return Numbers(lambda *parts: root(2 * _squares(*parts)), tanh, atanh)
 
 
 def _squares(first: Array, *rest: Array) -> Array:
     return sum((part * part for part in rest), first * first)
 
 
-def _tanh_or(endless: float) -> Callable[[Array], Array]:
-    """Tanh of floats, and `endless` where the argument is infinite: no limit is asked for there."""
-    return lambda q: np.where(np.isinf(q), endless, np.tanh(np.asarray(q, dtype=float)))
+def _tanh_or(without_limit: float) -> Callable[[Array], Array]:
+    """Tanh of floats, and `without_limit` where the argument is infinite: no limit is asked for there."""
+    return lambda q: np.where(np.isinf(q), without_limit, np.tanh(np.asarray(q, dtype=float)))
+
+
+def _float_atanh(q: Array) -> Array:
+    with np.errstate(divide="ignore"):
+        return np.arctanh(np.minimum(q, 1))
 
 
 NEVER_BINDS = 1e6  # in place of infinity, which a solver does not take
@@ -196,22 +241,40 @@ NEVER_BINDS = 1e6  # in place of infinity, which a solver does not take
 
 @dataclass(frozen=True)
 class ConditionSet:
-    """A set of conditions from `models.data`, sufficient for the theorem that is named."""
+    """A set of conditions from this module, sufficient for the theorem that is named."""
 
     name: str
     theorem: str
     sources: tuple[str, ...]
-    torque: Condition  # the one that keeps the torques within their data
+    torque: Condition  # the one that keeps the torques within their limits
     others: tuple[Condition, ...]
 
     def inequalities(self, numbers: Numbers, data: ConditionData, gains: Gains) -> list[Inequality]:
-        """All conditions, with the limits on speed and turn rate where the fleet asks for them."""
-        return [condition(numbers, data, gains) for condition in (self.torque, *self.homogeneous(data))]
+        """All conditions, with the limits that the fleet asks for, as far as `numbers` can say them."""
+        conditions = (*self.bounding(data), *self.homogeneous(data))
+        known = (c for c in conditions if c is not wheel_speed_condition or numbers.atanh is not None)
+        return [condition(numbers, data, gains) for condition in known]
+
+    def bounding(self, data: ConditionData) -> list[Condition]:
+        """The conditions that lowering gains together makes true: torque limits and accelerations."""
+        asked = (
+            (acceleration_condition, data.acceleration),
+            (turn_acceleration_condition, data.turn_acceleration),
+        )
+        return [self.torque, *_asked_for(asked)]
 
     def homogeneous(self, data: ConditionData) -> list[Condition]:
-        """The conditions that scaling all gains together leaves true: all but the torque limit."""
-        asked = ((speed_condition, data.speed), (turn_rate_condition, data.turn_rate))
-        return [*self.others, *(condition for condition, bound in asked if np.any(bound != math.inf))]
+        """The conditions that scaling all gains together leaves as they are: those on ratios of gains."""
+        asked = (
+            (speed_condition, data.speed),
+            (turn_rate_condition, data.turn_rate),
+            (wheel_speed_condition, data.wheel_speed),
+        )
+        return [*self.others, *_asked_for(asked)]
+
+
+def _asked_for(limits: Sequence[tuple[Condition, Array]]) -> list[Condition]:
+    return [condition for condition, limit in limits if np.any(limit != math.inf)]
 
 
 _SETS = (

@@ -1,11 +1,14 @@
-"""Rational enclosures of irrational numbers: square roots from above, tanh from below."""
+"""Rational enclosures of irrational numbers: square roots and atanh from above, tanh from below."""
 
 from __future__ import annotations
 
 import math
+from contextlib import AbstractContextManager
 from fractions import Fraction
+from typing import Any
 
 ENCLOSURE_DIGITS = 40  # significant digits of a rational enclosure
+UNIT = 10**ENCLOSURE_DIGITS
 
 
 def sqrt_above(q: Fraction) -> Fraction:
@@ -24,9 +27,28 @@ def tanh_below(q: Fraction | float) -> Fraction | float:
     """A fraction at or below tanh(q), q > 0, within 1e-40 of it; inf for an infinite q, where no limit is asked for."""
     if q == math.inf:
         return math.inf
-    from flint import arb, ctx, fmpq
+    with _precision():
+        return Fraction(int((_ball(q).tanh() * UNIT).lower().floor().fmpz()), UNIT)
+
+
+def atanh_above(q: Fraction) -> Fraction | float:
+    """A fraction at or above atanh(q), q >= 0, within 1e-40 of it; inf from q = 1 on."""
+    if q >= 1:
+        return math.inf
+    with _precision():
+        return Fraction(int((_ball(q).atanh() * UNIT).upper().ceil().fmpz()), UNIT)
+
+
+def _precision() -> AbstractContextManager[None]:
+    """Enough bits for ENCLOSURE_DIGITS, also near the pole of atanh at 1 where numbers have 60 digits."""
+    from flint import ctx
+
+    found: AbstractContextManager[None] = ctx.workprec(10 * ENCLOSURE_DIGITS)
+    return found
+
+
+def _ball(q: Fraction | float) -> Any:
+    from flint import arb, fmpq
 
     exact = Fraction(q)
-    with ctx.workprec(4 * ENCLOSURE_DIGITS):
-        scaled = arb(fmpq(exact.numerator, exact.denominator)).tanh() * 10**ENCLOSURE_DIGITS
-        return Fraction(int(scaled.lower().floor().fmpz()), 10**ENCLOSURE_DIGITS)
+    return arb(fmpq(exact.numerator, exact.denominator))

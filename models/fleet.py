@@ -81,18 +81,20 @@ class Fleet(Table):
 
         Nominal, where only an interval of R is known.
         """
-        return column(self._arm_sign * nominal(vehicle.half_track) for vehicle in self.vehicles)
+        sign = 1 if self.drive == "paper" else -1
+        return column(sign * self.arm_factor * nominal(vehicle.half_track) for vehicle in self.vehicles)
 
     @property
-    def _arm_sign(self) -> int:
-        return 2 if self.drive == "paper" else -1
+    def arm_factor(self) -> int:
+        """|lever arm| over R: 2 in (2) as printed, 1 on a physical drive."""
+        return 2 if self.drive == "paper" else 1
 
     def plant(self) -> Plant:
-        """The numbers of (1)-(14) as floats; nominal where only an interval is known."""
+        """The numbers of (1)-(14) as floats, mass and inertia with the wheels' own; nominal for intervals."""
         return Plant(
             graph=self.graph.map(floats),
-            m=floats(column(nominal(v.mass) for v in self.vehicles)),
-            inertia=floats(column(nominal(v.inertia) for v in self.vehicles)),
+            m=floats(column(v.effective_mass() for v in self.vehicles)),
+            inertia=floats(column(v.effective_inertia(self.arm_factor) for v in self.vehicles)),
             r=floats(column(nominal(v.wheel_radius) for v in self.vehicles)),
             arm=floats(self.arm),
             offset_x=floats(column(v.offset[0] for v in self.vehicles)),
@@ -106,16 +108,28 @@ class Fleet(Table):
         """The numbers of the conditions, exact, for the excitation psi; the worst case where parameters are intervals.
 
         (16) and (16*) say that u_v + u_omega / arm stays below 2 torque / r: the worst case is the smallest arm, the
-        largest r and the smallest torque limit.
+        largest r and the smallest torque limit. Accelerations are largest for the least mass and inertia, wheels are
+        fastest for the longest arm and the smallest r.
         """
+
+        def limit(name: str) -> Array:
+            return column(getattr(v.limits, name) or math.inf for v in self.vehicles)
+
         return ConditionData(
             degree=self.graph.degree,
             psi_bar=psi.bound,
             r=column(high(v.wheel_radius) for v in self.vehicles),
-            arm=column(abs(self._arm_sign) * low(v.half_track) for v in self.vehicles),
+            arm=column(self.arm_factor * low(v.half_track) for v in self.vehicles),
             torque=column(min(low(v.torque_limit.left), low(v.torque_limit.right)) for v in self.vehicles),
-            speed=column(v.limits.speed or math.inf for v in self.vehicles),
-            turn_rate=column(v.limits.turn_rate or math.inf for v in self.vehicles),
+            speed=limit("speed"),
+            turn_rate=limit("turn_rate"),
+            wheel_speed=limit("wheel_speed"),
+            acceleration=limit("acceleration"),
+            turn_acceleration=limit("turn_acceleration"),
+            m=column(v.mass_bounds()[0] for v in self.vehicles),
+            inertia=column(v.inertia_bounds(self.arm_factor)[0] for v in self.vehicles),
+            longest_arm=column(self.arm_factor * high(v.half_track) for v in self.vehicles),
+            smallest_r=column(low(v.wheel_radius) for v in self.vehicles),
         )
 
     def start(self) -> State | None:
@@ -132,8 +146,15 @@ class Fleet(Table):
         Left out are its name, the leader's pose, starts, scales (they belong to the gains) and the disturbance.
         """
         tables: Any = dict.fromkeys(("name", "leader", "disturbance", "saturation"), True)
-        left_out = {**tables, "vehicles": {"__all__": {"start"}}}
-        return self.model_dump(mode="json", by_alias=True, exclude=left_out)
+        left_out = {**tables, "vehicles": {"__all__": {"start", "footprint"}}}
+        content: dict[str, Any] = self.model_dump(mode="json", by_alias=True, exclude=left_out)
+        for vehicle in content["vehicle"]:
+            if vehicle["wheel_inertia"] == "0":
+                del vehicle["wheel_inertia"]
+            for name in ("wheel_speed", "acceleration", "turn_acceleration"):
+                if vehicle["limits"][name] is None:
+                    del vehicle["limits"][name]
+        return content
 
     @cached_property
     def digest(self) -> str:

@@ -11,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from .excitation import Excitation
-from .numbers import NotNegative, Number, Positive, Uncertain
+from .numbers import NotNegative, Number, Positive, Uncertain, UncertainOrZero, high, low, nominal
 from .saturation import Saturation
 
 Name = Annotated[str, Field(min_length=1, max_length=64)]
@@ -65,11 +65,14 @@ class TorqueLimit(Table):
     right: Uncertain
 
 
-class SpeedLimits(Table):
-    """ConditionData that a certificate is to prove."""
+class MotionLimits(Table):
+    """Limits that a certificate is to prove."""
 
     speed: Positive | None = None  # m/s
     turn_rate: Positive | None = None  # rad/s
+    wheel_speed: Positive | None = None  # rad/s, of either wheel
+    acceleration: Positive | None = None  # m/s^2
+    turn_acceleration: Positive | None = None  # rad/s^2
 
 
 class Vehicle(Table):
@@ -83,7 +86,33 @@ class Vehicle(Table):
     torque_limit: Annotated[TorqueLimit, BeforeValidator(_both_wheels)]
     offset: Point  # delta, m
     start: Start | None = None
-    limits: SpeedLimits = SpeedLimits()
+    limits: MotionLimits = MotionLimits()
+    wheel_inertia: UncertainOrZero = Fraction(0)  # kg m^2, J of one wheel and its rotor about the axle
+    footprint: Positive | None = None  # m, radius, for the distance between robots in reports
+
+    def mass_bounds(self) -> tuple[Fraction, Fraction]:
+        """(least, greatest) effective mass, kg: m + 2 J / r^2, since the wheels spin as the vehicle rolls."""
+        return (
+            low(self.mass) + 2 * low(self.wheel_inertia) / high(self.wheel_radius) ** 2,
+            high(self.mass) + 2 * high(self.wheel_inertia) / low(self.wheel_radius) ** 2,
+        )
+
+    def inertia_bounds(self, arm_factor: int) -> tuple[Fraction, Fraction]:
+        """(least, greatest) effective inertia, kg m^2: I + 2 J (arm / r)^2 with the lever arm arm_factor R."""
+        least, greatest = low(self.half_track) / high(self.wheel_radius), high(self.half_track) / low(self.wheel_radius)
+        return (
+            low(self.inertia) + 2 * low(self.wheel_inertia) * (arm_factor * least) ** 2,
+            high(self.inertia) + 2 * high(self.wheel_inertia) * (arm_factor * greatest) ** 2,
+        )
+
+    def effective_mass(self) -> Fraction:
+        """m + 2 J / r^2, kg, nominal where only intervals are known."""
+        return nominal(self.mass) + 2 * nominal(self.wheel_inertia) / nominal(self.wheel_radius) ** 2
+
+    def effective_inertia(self, arm_factor: int) -> Fraction:
+        """I + 2 J (arm / r)^2, kg m^2, nominal where only intervals are known."""
+        ratio = arm_factor * nominal(self.half_track) / nominal(self.wheel_radius)
+        return nominal(self.inertia) + 2 * nominal(self.wheel_inertia) * ratio**2
 
 
 class SquareWave(Table):

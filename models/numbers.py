@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
@@ -106,22 +107,33 @@ Positive = Annotated[Fraction, _validated("a number > 0", lambda q: q > 0), _AS_
 NotNegative = Annotated[Fraction, _validated("a number >= 0", lambda q: q >= 0), _AS_TEXT]
 
 
-def _uncertain(value: Any) -> Fraction | Interval:
-    """A positive number, or [low, high] with 0 < low <= high; an interval of one point is that number."""
-    ends = list(value) if isinstance(value, (list, tuple)) else [value]
-    try:
-        numbers = [exact(end) for end in ends]
-    except ValueError as error:
-        raise PydanticCustomError("number", "{why}; it must be a number > 0", {"why": str(error)}) from None
-    if not 1 <= len(numbers) <= 2 or not 0 < numbers[0] <= numbers[-1]:
-        raise PydanticCustomError("number", "must be a number > 0, or [low, high] with 0 < low <= high")
-    return numbers[0] if numbers[0] == numbers[-1] else Interval(*numbers)
+def _interval(relation: str, admits: Callable[[Fraction], bool]) -> PlainValidator:
+    """A number, or [low, high] with low <= high; an interval of one point is that number."""
+
+    def check(value: Any) -> Fraction | Interval:
+        ends = list(value) if isinstance(value, (list, tuple)) else [value, value]
+        try:
+            numbers = [exact(end) for end in ends]
+        except ValueError as error:
+            raise PydanticCustomError(
+                "number", "{why}; it must be a number {relation} 0", {"why": str(error), "relation": relation}
+            ) from None
+        if len(numbers) != 2 or not admits(numbers[0]) or numbers[0] > numbers[1]:
+            raise PydanticCustomError(
+                "number",
+                "must be a number {relation} 0, or [low, high] with 0 {turned} low <= high",
+                {"relation": relation, "turned": relation.replace(">", "<")},
+            )
+        return numbers[0] if numbers[0] == numbers[1] else Interval(*numbers)
+
+    return PlainValidator(check)
 
 
 def _uncertain_text(parameter: Fraction | Interval) -> str | list[str]:
     return list(map(decimal_text, parameter)) if isinstance(parameter, Interval) else decimal_text(parameter)
 
 
-Uncertain = Annotated[
-    Fraction | Interval, PlainValidator(_uncertain), PlainSerializer(_uncertain_text, return_type=str | list[str])
-]
+_AS_TEXTS = PlainSerializer(_uncertain_text, return_type=str | list[str])
+
+Uncertain = Annotated[Fraction | Interval, _interval(">", lambda q: q > 0), _AS_TEXTS]
+UncertainOrZero = Annotated[Fraction | Interval, _interval(">=", lambda q: q >= 0), _AS_TEXTS]

@@ -20,7 +20,7 @@ from gaincert.models.conditions import (
     float_numbers,
     sympy_numbers,
 )
-from gaincert.models.enclosures import sqrt_above, tanh_below
+from gaincert.models.enclosures import atanh_above, sqrt_above, tanh_below
 from gaincert.models.equations import State, closed_loop, control
 from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
@@ -34,6 +34,8 @@ ALL = (
     conditions.condition_16_star,
     conditions.speed_condition,
     conditions.turn_rate_condition,
+    conditions.acceleration_condition,
+    conditions.turn_acceleration_condition,
 )
 PRINTED = (conditions.condition_15, conditions.condition_16, conditions.condition_16_star)  # (15), (16), (16*)
 LAST_PLACE = Fraction(1, 10**36)  # relative; the enclosures are tighter than that
@@ -60,7 +62,8 @@ def limits(fleet, psi, random):
     def some():
         return column(Fraction(int(q), 100) for q in random.integers(5, 300, len(fleet)))
 
-    return replace(fleet.condition_data(psi), speed=some(), turn_rate=some())
+    names = ("speed", "turn_rate", "wheel_speed", "acceleration", "turn_acceleration")
+    return replace(fleet.condition_data(psi), **{name: some() for name in names})
 
 
 @pytest.fixture
@@ -156,7 +159,7 @@ def test_a_physical_drive_has_half_the_arm(content, psi):
 # -- the theorem's own words -------------------------------------------------------------------------------------------
 
 
-def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_omega, k, s, o):
+def as_printed(D, bar, r, arm, torque, speed, turn_rate, a, a_turn, m, inertia, p_v, d_v, p_omega, d_omega, k, s, o):
     """Both sides of every condition for one vehicle, typed once more from the theorem."""
     c = math.sqrt(2) * k * bar * D
     cone = d_v + math.sqrt(2) * D * math.hypot(p_v, k * bar / arm) + (d_omega + p_omega * D) / arm
@@ -167,6 +170,8 @@ def as_printed(D, bar, r, arm, torque, speed, turn_rate, p_v, d_v, p_omega, d_om
         "(16*)": (r / 2 * cone, torque),
         "speed limit": (math.sqrt(2) * p_v * D, d_v * math.tanh(speed / s)),
         "turn rate limit": (p_omega * D + c, d_omega * math.tanh(turn_rate / o)),
+        "acceleration limit": (d_v + math.sqrt(2) * p_v * D, a * m),
+        "turn acceleration limit": (d_omega + p_omega * D + c, a_turn * inertia),
     }
 
 
@@ -179,7 +184,8 @@ def test_the_conditions_are_those_of_the_theorem(limits, exact_gains):
     }
     bar = float(numbers.pop("psi_bar"))
     found = [condition(float_numbers(), limits.map(floats), exact_gains.map(floats)) for condition in ALL]
-    names = ("degree", "r", "arm", "torque", "speed", "turn_rate", *GAIN_NAMES, "s", "o")
+    motion = ("speed", "turn_rate", "acceleration", "turn_acceleration")
+    names = ("degree", "r", "arm", "torque", *motion, "m", "inertia", *GAIN_NAMES, "s", "o")
     for i, (D, *own) in enumerate(zip(*(numbers[name] for name in names), strict=True)):
         expected = as_printed(D, bar, *own)
         assert [sides.source for sides in found] == list(expected)
@@ -286,7 +292,8 @@ def test_elementwise_arithmetic_is_that_of_arrays(random):
 def one_vehicle(torque, **changes):
     """D = 1, arm 1, r = 2, psi_bar = 1: T of (16*) is d_v + sqrt(2 (p_v^2 + k^2)) + d_omega + p_omega."""
     one = column([Fraction(1)])
-    values = {"degree": one, "r": 2 * one, "arm": one, "speed": one, "turn_rate": one, **changes}
+    names = ("degree", "arm", "speed", "turn_rate", "wheel_speed", "acceleration", "turn_acceleration", "m", "inertia")
+    values = {**dict.fromkeys((*names, "longest_arm", "smallest_r"), one), "r": 2 * one, **changes}
     return ConditionData(psi_bar=Fraction(1), torque=column([Fraction(torque)]), **values)
 
 
@@ -319,7 +326,7 @@ def test_a_strict_inequality_refuses_equality(strict, at_equality):
 
 def test_which_conditions_are_strict(paper_limits, gains_of_paper):
     strict = [condition(exact_numbers(), paper_limits, gains_of_paper).strict for condition in ALL]
-    assert strict == [False, True, True, False, False, False]
+    assert strict == [False, True, True, False, False, False, False, False]
 
 
 @pytest.mark.parametrize(
@@ -573,3 +580,81 @@ def test_the_speed_limit_is_approached(fleet, psi, draw_gains):
     horizon = 50 * float(plant.m[0] / gains.d_v[0])
     done = solve_ivp(rhs, (0, horizon), np.concatenate(start), rtol=1e-9, atol=1e-12)
     assert 0.7 * (1 - 1e-6) < done.y[3].max() <= 0.7 * (1 + 1e-9)
+
+
+# -- limits of wheels and accelerations --------------------------------------------------------------------------------
+
+
+def test_the_wheel_speed_condition_is_that_of_its_parts(limits, exact_gains):
+    """s atanh(sqrt2 p_v D / d_v) + arm o atanh((p_omega D + c) / d_omega) <= r W, in floats and in fractions."""
+    gains = replace(exact_gains, p_v=exact_gains.p_v / 10**4, p_omega=exact_gains.p_omega / 10**4)
+    gains = replace(gains, k_alpha=exact_gains.k_alpha / 10**4)
+    by_float = conditions.wheel_speed_condition(float_numbers(), limits.map(floats), gains.map(floats))
+    exact = conditions.wheel_speed_condition(exact_numbers(), limits, gains)
+    assert floats(exact.small) == pytest.approx(by_float.small, rel=1e-12)
+    V = floats(gains.saturation.speed) * np.arctanh(math.sqrt(2) * floats(gains.p_v * limits.degree / gains.d_v))
+    moment = floats(gains.p_omega * limits.degree) + math.sqrt(2) * float(limits.psi_bar) * floats(
+        gains.k_alpha * limits.degree
+    )
+    Omega = floats(gains.saturation.turn_rate) * np.arctanh(moment / floats(gains.d_omega))
+    assert by_float.small == pytest.approx(V + floats(limits.longest_arm) * Omega, rel=1e-12)
+    assert by_float.large == pytest.approx(floats(limits.smallest_r * limits.wheel_speed), rel=1e-15)
+
+
+def test_a_wheel_that_the_controller_can_drive_without_bound_keeps_no_limit(limits, exact_gains):
+    wild = replace(exact_gains, p_v=exact_gains.p_v * 10**9)
+    assert not conditions.wheel_speed_condition(exact_numbers(), limits, wild).holds.any()
+
+
+def test_lowering_the_named_gains_lowers_the_wheel_speed_in_proportion_or_more(limits, exact_gains):
+    small = {}
+    for factor in (Fraction(1, 10**5), Fraction(1, 10**6)):
+        names = ("p_v", "p_omega", "k_alpha")
+        gains = replace(exact_gains, **{name: getattr(exact_gains, name) * factor for name in names})
+        small[factor] = floats(conditions.wheel_speed_condition(exact_numbers(), limits, gains).small)
+    assert (small[Fraction(1, 10**6)] <= small[Fraction(1, 10**5)] / 10 * (1 + 1e-12)).all()
+
+
+@pytest.mark.parametrize("q", [Fraction(1, 10**30), Fraction(1, 3), Fraction("0.999"), 1 - Fraction(1, 10**50)])
+def test_atanh_from_above(q):
+    import mpmath
+
+    with mpmath.workdps(150):
+        above, exact = atanh_above(q), mpmath.atanh(mpmath.mpf(q.numerator) / q.denominator)
+        assert 0 <= mpmath.mpf(above.numerator) / above.denominator - exact <= mpmath.mpf(10) ** -39
+    assert atanh_above(Fraction(1)) == atanh_above(Fraction(3, 2)) == math.inf
+
+
+def test_spinning_wheels_count_as_mass_and_inertia(content):
+    """m + 2 J / r^2 and I + 2 J (arm / r)^2, in the plant and, as the least ones, in the conditions."""
+    vehicle = content["vehicle"][0]
+    vehicle |= {"mass": "3", "inertia": "0.05", "half_track": "0.2", "wheel_radius": ["0.04", "0.05"]}
+    vehicle["wheel_inertia"] = ["0.001", "0.003"]
+    fleet = Fleet.model_validate(content)
+    factor = 2 if fleet.drive == "paper" else 1
+    plant, data = fleet.plant(), fleet.condition_data(Excitation(Fraction(0), Fraction(1), (Fraction(1),)))
+    assert plant.m[0] == pytest.approx(3 + 2 * 0.002 / 0.045**2)
+    assert plant.inertia[0] == pytest.approx(0.05 + 2 * 0.002 * (factor * 0.2 / 0.045) ** 2)
+    assert data.m[0] == 3 + 2 * Fraction("0.001") / Fraction("0.05") ** 2
+    assert (
+        data.inertia[0] == Fraction("0.05") + 2 * Fraction("0.001") * (factor * Fraction("0.2") / Fraction("0.05")) ** 2
+    )
+    assert (data.longest_arm[0], data.smallest_r[0]) == (factor * Fraction("0.2"), Fraction("0.04"))
+
+
+@pytest.mark.parametrize("inertia", [["0.1"], ["0.2", "0.1"], -1])
+def test_an_interval_has_two_numbers_in_order(content, inertia):
+    content["vehicle"][0]["wheel_inertia"] = inertia
+    with pytest.raises(ValueError, match=r"0 <= low <= high"):
+        Fleet.model_validate(content)
+
+
+def test_accelerations_of_runs_stay_below_their_bounds(fleet, psi, draw_gains, draw_state):
+    """|v'| < (d_v + sqrt2 p_v D) / m and |omega'| < (d_omega + p_omega D + c) / I at random states."""
+    gains, data, ops = draw_gains(len(fleet)).map(floats), fleet.condition_data(psi).map(floats), numpy_ops()
+    force = conditions.acceleration_condition(float_numbers(), data, gains).small
+    moment = conditions.turn_acceleration_condition(float_numbers(), data, gains).small
+    state = draw_state(len(fleet), (200,))
+    rates = closed_loop(ops, fleet.plant(), gains, psi.value(ops, np.linspace(0, 9, 200)[:, None]), state)
+    assert (np.abs(rates.v) < force / data.m).all()
+    assert (np.abs(rates.omega) < moment / data.inertia).all()
