@@ -4,7 +4,7 @@
     at its peak at t = pi/5): W' is -0.04, the printed "upper bound" is -15.19. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics EnergyDerivatives Formation PaperFleet PaperWitness.
+From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation PaperFleet PaperWitness.
 Open Scope R_scope.
 
 (** The right-hand side of the first inequality after (20), as printed. *)
@@ -21,15 +21,22 @@ Definition turning_back : state :=
 Lemma turning_back_W_rate : - 4 / 100 < W_rate paper_fleet (PI / 5) turning_back < - 3 / 100.
 Proof.
   unfold W_rate, Pw, turning_back, paper_fleet. cbn [sum N paper_fleet_excited_by].
-  rewrite !displaced_alpha. unfold coupling. cbn -[PI]. unfold paper_psi, tanh, sinh, cosh.
+  rewrite !displaced_alpha. unfold coupling. cbn -[PI paper_psi]. rewrite !Rmult_0_l.
+  replace (-1 / 1) with (- (1)) by field. rewrite tanh_odd.
+  assert (H1 : 76159 / 100000 <= tanh 1 <= 76160 / 100000) by (unfold tanh, sinh, cosh; split; interval).
+  pose proof psi_at_its_peak as Hpsi. pose proof (far_is_saturated 40 ltac:(lra)) as Hfar.
+  set (t1 := tanh 1) in *. set (p := paper_psi (PI / 5)) in *. set (t := tanh 40) in *.
+  clearbody t1 p. tanh_of 40 t. clearbody t. rewrite sin_PI4, cos_PI4.
   split; interval.
 Qed.
 
 Lemma turning_back_printed : - 1520 / 100 < printed_bound_after_20 paper_fleet turning_back < - 1519 / 100.
 Proof.
   unfold printed_bound_after_20. change (N paper_fleet) with 6%nat. cbn [sum].
-  rewrite !paper_degrees by repeat constructor. cbn -[PI]. unfold tanh, sinh, cosh.
-  split; interval.
+  rewrite !paper_degrees by repeat constructor. cbn. rewrite !Rmult_0_l, !Rmult_0_r, !Rmult_0_l.
+  replace (tanh (-1)) with (- tanh 1) by (rewrite <- tanh_odd; f_equal; ring).
+  assert (H1 : 76159 / 100000 <= tanh 1 <= 76160 / 100000) by (unfold tanh, sinh, cosh; split; interval).
+  set (t1 := tanh 1) in *. clearbody t1. split; interval.
 Qed.
 
 Theorem inequality_after_20_is_false :

@@ -4,7 +4,7 @@
     W rises.  The paper's gains, graph and psi, the controller's own alpha. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
 Open Scope R_scope.
 
 Definition vehicles_1_2 (x y other : R) (i : nat) : R := match i with 0%nat => x | 1%nat => y | _ => other end.
@@ -17,7 +17,15 @@ Definition turning_pair : state :=
 Lemma turning_pair_W_rate : 1233 / 1000 < W_rate paper_fleet (PI / 5) turning_pair < 1235 / 1000.
 Proof.
   unfold W_rate, Pw, turning_pair, paper_fleet. cbn [sum N paper_fleet_excited_by].
-  rewrite !displaced_alpha. unfold coupling. cbn -[PI]. unfold paper_psi, tanh, sinh, cosh.
+  rewrite !displaced_alpha. unfold coupling. cbn -[PI paper_psi]. rewrite !Rmult_0_l.
+  replace (1 / 1) with 1 by field. replace (5 / 10 / 1) with (5 / 10) by field.
+  assert (H1 : 76159 / 100000 <= tanh 1 <= 76160 / 100000) by (unfold tanh, sinh, cosh; split; interval).
+  assert (H5 : 46211 / 100000 <= tanh (5 / 10) <= 46212 / 100000) by (unfold tanh, sinh, cosh; split; interval).
+  pose proof psi_at_its_peak as Hpsi. pose proof (far_is_saturated 40 ltac:(lra)) as Hfar.
+  set (t1 := tanh 1) in *. set (t5 := tanh (5 / 10)) in *. set (p := paper_psi (PI / 5)) in *. set (t := tanh 40) in *.
+  clearbody t1 t5 p. tanh_of 40 t. clearbody t.
+  pose proof (far_is_saturated 80 ltac:(lra)) as Hfarther. set (t' := tanh 80) in *. tanh_of 80 t'. clearbody t'.
+  replace (-3 * PI / 4) with (- (3 * (PI / 4))) by field. rewrite sin_neg, cos_neg, sin_3PI4, cos_3PI4, sin_PI4, cos_PI4.
   split; interval.
 Qed.
 

@@ -36,7 +36,14 @@ Definition spinning (n : nat) : state :=
 Lemma spinning_u_w : forall i, i = 1%nat \/ i = 3%nat -> 18041 / 100 < u_w paper_fleet (PI / 5) (spinning i) i.
 Proof.
   intros i Hi. unfold u_w, across, spinning. rewrite displaced_ex, displaced_ey. unfold eth, coupling, tha.
-  destruct Hi as [-> | ->]; unfold paper_fleet; cbn -[PI]; unfold paper_psi, tanh, sinh, cosh; interval.
+  pose proof psi_at_its_peak as Hpsi. set (p := paper_psi (PI / 5)) in *.
+  assert (Hturned : 8 <= 5 * PI) by interval.
+  destruct Hi as [-> | ->]; unfold paper_fleet; cbn -[PI paper_psi]; fold p; clearbody p;
+    rewrite <- (sin_period (PI / 4 - 4 * PI) 2), <- (cos_period (PI / 4 - 4 * PI) 2);
+    replace (PI / 4 - 4 * PI + 2 * INR 2 * PI) with (PI / 4) by (simpl; ring);
+    pose proof (far_is_saturated 40 ltac:(lra)) as Hfar; set (t := tanh 40) in *; tanh_of 40 t; clearbody t;
+    pose proof (far_is_saturated (5 * PI) Hturned) as Hback; set (b := tanh (5 * PI)) in *; tanh_of (5 * PI) b; clearbody b;
+    rewrite sin_PI4, cos_PI4; interval.
 Qed.
 
 (** Vehicles 2 and 4 of the paper: more than 34 N m above the paragraph's bound. *)
