@@ -101,7 +101,7 @@ def sentence(summary: Summary) -> str:
     settled = f"settles after {summary.settling_time:.1f} s"
     error = summary.integration_error
     return (
-        (settled if summary.settled else f"not settled by {summary.horizon:g} s")
+        (settled if summary.settled else f"not settled within {summary.horizon:g} s ({summary.approach})")
         + f", peak torque {100 * summary.peak_torque_ratio:.1f} % of the limit, "
         f"final error {summary.final_position_error:.3g} m, {summary.final_heading_error:.3g} rad"
         + ("" if error is None or error.position >= CHAOTIC else f", integration error below {error.position:.1g} m")

@@ -15,6 +15,7 @@ import pytest
 from gaincert import __version__
 from gaincert.cli_app import app
 from gaincert.models.tolerance import Tolerance
+from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import IntegrationError, Summary
 from gaincert.workflows.compare import variants_of
 from gaincert.workflows.design import DesignOptions
@@ -313,6 +314,7 @@ def test_every_verb_and_every_option_says_what_it_does(verb: str) -> None:
 def test_a_chaotic_run_is_called_sensitive_and_not_wrong() -> None:
     calm = Summary(
         settling_time=400.0,
+        approach=Approach.CLOSING_IN,
         tolerance=Tolerance(),
         horizon=600.0,
         peak_torque_ratio=0.5,

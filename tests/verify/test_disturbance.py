@@ -16,6 +16,7 @@ from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.disturbance import Disturbance, checked, of_table, parts
 from gaincert.verify.simulation.integrators import Adams
 from gaincert.verify.simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
+from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import Summary
 from gaincert.verify.validation.robustness import DisturbedRuns
 
@@ -98,7 +99,7 @@ def test_parts_and_report() -> None:
     both = Disturbance(delay=0.1, mismatch=0.1)
     assert parts(both) == [Disturbance(), Disturbance(delay=0.1), Disturbance(mismatch=0.1), both]
     assert parts(Disturbance(delay=0.1)) == [Disturbance(), Disturbance(delay=0.1)]
-    found = Outcomes(np.array([3.0, np.inf]), np.array([0.5, 0.7]), np.ones(2), np.ones(2))
+    found = Outcomes(np.array([3.0, np.inf]), (Approach.CLOSING_IN,) * 2, np.array([0.5, 0.7]), np.ones(2), np.ones(2))
     said = DisturbedRuns(both, found, [1.0, 2.0]).to_json()
     assert said["settled"] == 1
     assert said["settling_time_s"]["each"] == [3.0, None]
@@ -123,7 +124,7 @@ def test_disturbances_that_make_no_sense_are_refused(paper, real: Disturbance, m
 def test_a_kept_run_is_the_one_that_was_measured(paper, loop, starts) -> None:
     real = Disturbance(sample_time=0.03, noise_position=0.01, mismatch=0.1, seed=4)
     sampled = SampledLoop(paper, loop, real, 6.0, WIDE)
-    nominal = Summary(3.0, WIDE, 6.0, 0.5, 0.0, 0.0, 0.0, 1.0, 1.0, ("V rises",))
+    nominal = Summary(3.0, Approach.CLOSING_IN, WIDE, 6.0, 0.5, 0.0, 0.0, 0.0, 1.0, 1.0, ("V rises",))
     summary, run = sampled.run(starts[0], nominal)
     alone = sampled.outcomes(starts[:1])
     assert summary.settling_time == alone.settling_time

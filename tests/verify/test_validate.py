@@ -268,7 +268,7 @@ def test_a_starts_file_and_its_mistakes(tmp_path: Path) -> None:
     document = json.loads(done.stdout)
     assert document["starts"] == 1
     assert document["seed"] is None
-    assert document["failures"][0]["failure"] == "not settled by 2 s"
+    assert document["failures"][0]["failure"] == "not settled within 2 s (still closing in)"
     beyond = subprocess.run([*command, "--replay", "1"], capture_output=True, text=True, check=False)
     assert beyond.returncode == 2
     assert "--replay 1: the file has the starts 0 to 0" in beyond.stderr

@@ -17,6 +17,7 @@ from ...models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, Floats
 from .integrators import Integrator
 from .interpolation import interval_peaks, last_above_one
+from .settling import Approach, confirmed_by
 
 GRAZING = 0.995  # an interval is integrated again where its interpolated squared excess passes this
 TIME_EPSILON = 1e-6  # s, step of the finite difference along the solution
@@ -50,7 +51,8 @@ class Peak:
 class Outcome:
     """What was measured of one run."""
 
-    settling_time: float  # s; inf where not settled at the end
+    settling_time: float  # s; inf where not settled at the end, or too late to see that it stays settled
+    approach: Approach  # what the error does at the end
     torque_ratio: Peak  # |torque| over its limit
     speed: Peak  # |v|, m/s
     turn_rate: Peak  # |omega|, rad/s
@@ -81,6 +83,7 @@ class Monitor:
     tolerance: Tolerance
     start: State
     _outside: list[Place] = field(default_factory=list)  # intervals that may hold the last moment outside
+    _history: list[tuple[Floats, Floats]] = field(default_factory=list)  # times, largest squared excess, (K,) each
     _energy_rise: float = 0.0
     _refined_steps: dict[float, tuple[Floats, State, State, float]] = field(default_factory=dict)
 
@@ -113,6 +116,7 @@ class Monitor:
         position, heading = self.loop.distances(self._state)
         return Outcome(
             settling_time=self._settling(),
+            approach=self._approach(),
             **{name: self._refined(watch) for name, watch in self._watches.items()},
             final_position=float(position.max()),
             final_heading=float(heading.max()),
@@ -174,6 +178,7 @@ class Monitor:
 
     def _look_outside(self, t: Floats, state: State, rate: State) -> None:
         values, slopes = self._excess(state, rate)
+        self._history.append((t[1:], values[1:].max(axis=1)))
         begins_outside = np.flatnonzero(values[:-1].max(axis=1) > 1)
         first = int(begins_outside[-1]) if begins_outside.size else 0
         if begins_outside.size:
@@ -189,8 +194,15 @@ class Monitor:
             _, states, rate, step = self._finer(begin, state)
             last = last_above_one(*self._excess(states, rate), step)
             if last is not None:
-                return begin + last
+                time = begin + last
+                return time if time <= confirmed_by(self.loop, float(self._time[0])) else math.inf
         return 0.0
+
+    def _approach(self) -> Approach:
+        if not self._history:
+            return Approach.STANDING_STILL
+        t, squared = (np.concatenate(column) for column in zip(*self._history, strict=True))
+        return Approach.of_history(t, np.sqrt(squared))
 
 
 def _moved(state: State, rate: State, by: float) -> State:

@@ -22,6 +22,7 @@ from ...models.graph import Graph
 from ...models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, Floats
 from .disturbance import Disturbance
+from .settling import PART, Approach, confirmed_by
 from .summary import Summary
 from .trajectory import Trajectory
 
@@ -94,14 +95,22 @@ class SampledLoop:
     def _outcomes(self, samples: Iterator[_Sample]) -> Outcomes:
         last: Any = 0.0
         peak: Any = 0.0
+        errors: list[Any] = [0.0, 0.0]  # the largest excess in the part of the run before the last, and in the last
         loop = self.loop
         for sample in samples:
             left, right = np.abs(sample.tau_left) / loop.torque_left, np.abs(sample.tau_right) / loop.torque_right
             peak = np.maximum(peak, np.maximum(left, right).max(axis=-1))
             excess = loop.excess(sample.after, self.tolerance)
-            last = np.where(excess > 1, sample.t + self.disturbance.sample_time, last)
+            time = sample.t + self.disturbance.sample_time
+            last = np.where(excess > 1, time, last)
+            if time >= (1 - 2 * PART) * self.horizon:
+                part = int(time >= (1 - PART) * self.horizon)
+                errors[part] = np.maximum(errors[part], excess)
         position, heading = loop.distances(sample.after)
-        return Outcomes(np.where(excess > 1, np.inf, last), peak, position.max(axis=-1), heading.max(axis=-1))
+        settled = (excess <= 1) & (last <= confirmed_by(loop, self.horizon))
+        pairs = np.broadcast_arrays(*errors, peak)[:2]
+        approach = tuple(Approach.of(*pair) for pair in zip(*pairs, strict=True))
+        return Outcomes(np.where(settled, last, np.inf), approach, peak, position.max(axis=-1), heading.max(axis=-1))
 
     def _summary(self, outcomes: Outcomes, run: Trajectory, nominal: Summary) -> Summary:
         """A broken promise of the nominal run is not hidden by the disturbed one."""
@@ -109,6 +118,7 @@ class SampledLoop:
         broken = [f"a commanded wheel torque is {peak:.6g} of its limit"] if peak > 1 else []
         return Summary(
             settling_time=float(outcomes.settling_time[0]),
+            approach=outcomes.approach[0],
             tolerance=self.tolerance,
             horizon=nominal.horizon,
             peak_torque_ratio=peak,
@@ -128,6 +138,7 @@ class Outcomes:
     """One entry per start, (B,)."""
 
     settling_time: Floats  # s, inf where not settled at the end
+    approach: tuple[Approach, ...]  # what the error does at the end, where not settled
     torque_ratio: Floats  # the largest commanded |torque| divided by its limit; torques are held, so this is exact
     final_position: Floats  # m
     final_heading: Floats  # rad

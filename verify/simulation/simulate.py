@@ -121,6 +121,7 @@ def summarize(
     peak = outcome.torque_ratio
     return Summary(
         settling_time=outcome.settling_time,
+        approach=outcome.approach,
         tolerance=tolerance,
         horizon=float(run.t[-1]),
         peak_torque_ratio=peak.value,

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ...models.tolerance import Tolerance
 from .disturbance import Disturbance
 from .monitor import NamedPeak
+from .settling import Approach
 
 
 class IntegrationError(NamedTuple):
@@ -23,6 +24,7 @@ class Summary:
     """What one run of a fleet came to."""
 
     settling_time: float  # s; inf where not settled at the end
+    approach: Approach  # what the error does at the end, where not settled
     tolerance: Tolerance
     horizon: float  # s
     peak_torque_ratio: float  # |wheel torque| divided by its limit
@@ -46,6 +48,7 @@ class Summary:
         """The content of summary.json."""
         document: dict[str, Any] = {
             "settling_time_s": self.settling_time if self.settled else None,
+            "approach": None if self.settled else str(self.approach),
             "tolerance": {"position_m": self.tolerance.position, "heading_rad": self.tolerance.heading},
             "horizon_s": self.horizon,
             "peak_torque_ratio": self.peak_torque_ratio,

@@ -142,7 +142,7 @@ def run_start(spec: ValidationSpec, number: int, start: State) -> StartResult:
         physical_limit=physical_limit(spec.loop, start),
         sensitivity=integrator.sensitivity if isinstance(integrator, ChaosAware) else None,
     )
-    failure = None if settled else f"not settled by {spec.horizon:g} s"
+    failure = None if settled else f"not settled within {spec.horizon:g} s ({outcome.approach})"
     broken = violations(spec.loop, outcome, start, integrator.tolerance, spec.names)
     return StartResult(number, measurement, failure, broken)
 
