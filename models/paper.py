@@ -1,4 +1,4 @@
-"""The paper's example: Tables 1 and 2, Section 4, and the graph of Fig. 2 as THEORY reconstructs it."""
+"""The paper's example: Tables 1 and 2, Section 4, and the graph of Fig. 2 as docs/theory.md 6 has it."""
 
 from __future__ import annotations
 

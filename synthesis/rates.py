@@ -1,6 +1,6 @@
 """How fast: the exponential rates of heading and along-track motion, and the cubic flow across the track.
 
-THEORY section 3. Near the goal the heading obeys M th'' + C th' + L_l th = 0, where M = I / p_omega and
+docs/theory.md 7. Near the goal the heading obeys M th'' + C th' + L_l th = 0, where M = I / p_omega and
 C = d_omega / p_omega, and the along-track errors the same with m, p_v, d_v. The cross-track errors y fall by an
 algebraic flow y' = -c(y) that the excitation causes; c is cubic, so that y ~ t^(-1/2).
 """

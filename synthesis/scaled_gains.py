@@ -1,6 +1,6 @@
 """Six scalars that describe the gains of a whole fleet, and how they become one set of gains per vehicle.
 
-With D_i = a_il + l_ii, THEORY section 3 scales every vehicle by its own mass, inertia and degree:
+With D_i = a_il + l_ii, docs/theory.md 7.4 scales every vehicle by its own mass, inertia and degree:
 
     I / p_omega = mu_omega D,  d_omega / p_omega = c D,  k / p_omega = h,  m / p_v = mu_v D,  d_v / p_v = e D.
 

@@ -1,6 +1,6 @@
 """The averaged program: structured scalars that settle the fleet soonest near the goal, by CasADi and IPOPT.
 
-In the modes U of D^-1 L_l (U^T D U = 1) the responses of THEORY section 3 to a tone w of amplitude A are explicit in
+In the modes U of D^-1 L_l (U^T D U = 1) the responses of docs/theory.md 7.2 to a tone w of amplitude A are explicit in
 the six scalars. For y = U eta, with lambda the eigenvalues,
 
     b = D U (lambda eta),  Theta = h A U (lambda eta / (lambda - mu_omega w^2 + i c w)),

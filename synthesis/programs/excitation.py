@@ -20,8 +20,8 @@ BEYOND = 0.001  # by which |psi| may pass 1 between the points of the grid, and 
 def flat_tones(seconds: float = FAST.clarabel_seconds, count: int = TONES) -> Excitation:
     """sum_k s_k sin((2k-1) t), k = 1..count, with the largest s_1 for which |psi| <= 1.
 
-    The mean and the even harmonics cost psi_bar and move nothing (THEORY section 3), and kappa grows with the square of
-    the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are
+    The mean and the even harmonics cost psi_bar and move nothing (docs/theory.md 7.2), and kappa grows with the square
+    of the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are
     symmetric, so that a quarter period is enough. Raises UndecidedError where Clarabel does not find it in `seconds`.
     """
     import cvxpy as cp

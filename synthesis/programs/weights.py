@@ -24,7 +24,7 @@ DENSE_VEHICLES = 150  # beyond, the semidefinite program takes too long
 def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Links:
     """The links with weights, each within SPREAD of the given one, that maximise lambda_min(D^-1/2 L_l D^-1/2).
 
-    The slowest mode sets the tail and the exponential rates (THEORY section 3); scaling all weights together changes
+    The slowest mode sets the tail and the exponential rates (docs/theory.md 7); scaling all weights together changes
     nothing once the gains are designed for them. For a fixed lambda, L_l - lambda D >= 0 is linear in the weights: a
     bisection on semidefinite programs of at most `seconds` each. Raises UndecidedError where the fleet is too large or
     Clarabel finds nothing.

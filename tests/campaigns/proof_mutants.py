@@ -1,7 +1,7 @@
 """False variants that the checker must refuse, and true forms that it must accept, through the very same checks.
 
-`named()` are the mutants of THEORY; `generated()` makes more from every identity: one sign flipped, one factor dropped,
-one index swapped, perp for non-perp, one derivative of psi too few or too many. A mutant whose difference from the
+`named()` are the mutants of docs/theory.md 8; `generated()` makes more from every identity: one sign flipped, one factor
+dropped, one index swapped, perp for non-perp, one derivative of psi too few or too many. A mutant whose difference from the
 original is 0 in normal form is equivalent and is listed as such.
 """
 
@@ -62,7 +62,7 @@ class Mutant:
 
 
 def named() -> list[Mutant]:
-    """The mutants that THEORY lists."""
+    """The mutants that docs/theory.md 8 lists."""
     return [
         Mutant(step.text, step)
         for step in (*_rate_mutants(), *_energy_mutants(), *_bound_mutants(), *_condition_mutants())

@@ -443,7 +443,7 @@ def test_the_torque_comes_as_near_to_its_bound_as_one_likes(fleet, gains, psi):
     ids=["max for the root", "without sqrt2"],
 )
 def test_weaker_forms_of_16_star_are_broken(mutant):
-    """Witnesses for the mutants of THEORY.md: one vehicle, a torque above what they claim."""
+    """Witnesses for mutants of docs/theory.md 8: one vehicle, a torque above what they claim."""
     gains = Gains(*(np.array([value]) for value in (1.0, 0.1, 0.2, 0.3, 1.0)))
     psi = Excitation(Fraction(0), Fraction(1), (Fraction(1),))
     limits = one_vehicle("1").map(floats)

@@ -163,7 +163,7 @@ def test_the_condition_sets_are_compared(folder):
     found = {row.name: row for row in condition_rows(load_deployment(folder, paper_fleet()))}
     assert [found[name].holds for name in ("paper", "corrected", "rate-bounded")] == [True, True, False]
     assert found["paper"].requested
-    assert found["paper"].used == pytest.approx(503.52 / 504, abs=1e-3)  # THEORY: (16) is tight
+    assert found["paper"].used == pytest.approx(503.52 / 504, abs=1e-3)  # (16) is tight
     assert found["rate-bounded"].where.startswith("(15'), vehicle v")
 
 

@@ -127,7 +127,7 @@ def test_designed_psi_is_flat_and_has_no_mean() -> None:
     psi = flat_tones()
     assert psi.mean == 0
     assert 0.999 < psi.bound < 1.001
-    assert float(psi.sin[0]) == pytest.approx(1.20711, abs=2e-4)  # THEORY section 3
+    assert float(psi.sin[0]) == pytest.approx(1.20711, abs=2e-4)  # the largest first tone of three
     assert psi.persistent
 
 

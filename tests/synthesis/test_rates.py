@@ -79,7 +79,7 @@ def test_the_averaged_flow_is_that_of_the_simulation(make) -> None:
 
 
 def test_one_vehicle_has_the_closed_form_kappa() -> None:
-    """THEORY section 3: kappa = 1/2 sum |G A|^2 Re(i w F)."""
+    """docs/theory.md 7.2: kappa = 1/2 sum |G A|^2 Re(i w F)."""
     fleet = one_vehicle()
     plant = fleet.plant()
     gains = structured(GOOD, plant.m, plant.inertia, plant.graph.degree)

@@ -46,7 +46,7 @@ def test_the_papers_gains_are_certified_under_its_own_conditions() -> None:
     notes = " ".join(certificate.notes)
     assert "(15') holds for 4 of 6 vehicles, not for v2, v4" in notes
     assert "53 of 63 cuts" in notes
-    # THEORY section 1: 653.27 against 1320, ..., 503.52 against 504.
+    # The left sides of (16) on the paper's data: 653.27 against 1320, ..., 503.52 against 504.
     margins = certificate.margins["(16)"].astype(float)
     assert margins == pytest.approx([666.73, 17.85, 740.22, 4.23, 0.48, 0.48], abs=0.01)
     assert certificate.margins["(15)"].astype(float) == pytest.approx([0.6856, 0.2162] * 2 + [0.6856] * 2, abs=1e-4)

@@ -1,4 +1,4 @@
-"""The proof checker's verdicts: THEORY section 1 row by row, the chain, and how verdicts follow the formulas."""
+"""The proof checker's verdicts: docs/theory.md 6 row by row, the chain, and how verdicts follow the formulas."""
 
 import pstats
 import time
@@ -112,7 +112,7 @@ def test_three_errors_in_21():
 
 
 def test_rows_not_columns_of_the_linearisation_vanish():
-    """L17: omega' does depend on the cross-track error, so THEORY's "zero columns" must read rows."""
+    """L17: omega' does depend on the cross-track error, so the rows of the Jacobian are zero, not its columns."""
     g, n = generic(), first()
     goal = {s: 0 for part in (g.state.v, g.state.omega) for s in part}
     goal |= {s: sp.Symbol("theta_l", real=True) for s in g.state.theta}

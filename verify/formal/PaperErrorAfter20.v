@@ -1,4 +1,4 @@
-(** * PaperErrorAfter20.v : the inequality printed after (20) is false (THEORY section 1).
+(** * PaperErrorAfter20.v : the inequality printed after (20) is false (docs/theory.md, section 6).
     The paper bounds w alpha by w sqrt2 k psibar D; that holds for |w| only.  Idea: let vehicle 2 of the paper's fleet
     turn with w = -1 while alpha is near its least value -c (its place error is (40, -40) m, its heading pi/4, and psi is
     at its peak at t = pi/5): W' is -0.04, the printed "upper bound" is -15.19. *)

@@ -145,7 +145,7 @@ def check(folder: Path = FOLDER) -> dict[str, object]:
     """The record of a complete proof. Raises NotProvedError or MissingToolError."""
     if found := gaps(folder):
         raise NotProvedError("these assume instead of proving: " + ", ".join(found))
-    names = theorems(folder)
+    names, sources = theorems(folder), digest(folder)
     with tempfile.TemporaryDirectory() as temporary:
         work = Path(temporary)
         version = coq_version(work)
@@ -157,7 +157,7 @@ def check(folder: Path = FOLDER) -> dict[str, object]:
     for name, assumed in record.items():
         if more := set(assumed) - STANDARD_AXIOMS:
             raise NotProvedError(f"{name} assumes {', '.join(sorted(more))}, which is not one of the standard axioms")
-    return {"digest": digest(folder), "coq": version, "theorems": record}
+    return {"digest": sources, "coq": version, "theorems": record}
 
 
 def compiled(folder: Path, work: Path) -> str:

@@ -130,7 +130,7 @@ def falls() -> Claim:
 
 
 def rising_state(data: Instance) -> object:
-    """The state of THEORY section 1 at which W rises."""
+    """The state of docs/theory.md 6 at which W rises."""
     return data.state(
         {0: (40, -40), 1: (-40, 40)}, {0: -3 * arb.pi() / 4, 1: arb.pi() / 4}, omega={0: 1, 1: Fraction(1, 2)}
     )
