@@ -1,8 +1,8 @@
 """False variants that the checker must refuse, and true forms that it must accept, through the very same checks.
 
-`named()` are the mutants of docs/theory.md 8; `generated()` makes more from every identity: one sign flipped, one factor
-dropped, one index swapped, perp for non-perp, one derivative of psi too few or too many. A mutant whose difference from the
-original is 0 in normal form is equivalent and is listed as such.
+`named()` are the mutants of docs/theory.md 8; `generated()` makes more from every identity: one sign flipped, one
+factor dropped, one index swapped, perp for non-perp, one derivative of psi too few or too many. A mutant whose
+difference from the original is 0 in normal form is equivalent and is listed as such.
 """
 
 from __future__ import annotations
