@@ -56,8 +56,8 @@ def with_gain(gains, name, values):
 
 
 @pytest.fixture
-def limits(fleet, psi, random):
-    """The exact limits of every graph family and drive, with random speed limits."""
+def data(fleet, psi, random):
+    """The exact data of the conditions for every graph family and drive, with random limits of speed."""
 
     def some():
         return column(Fraction(int(q), 100) for q in random.integers(5, 300, len(fleet)))
@@ -75,68 +75,68 @@ def exact_gains(fleet, draw_gains):
 
 
 @pytest.fixture
-def paper_limits(paper, psi_of_paper):
+def paper_data(paper, psi_of_paper):
     return paper.condition_data(psi_of_paper)
 
 
-def test_the_numbers_of_15_on_the_paper_s_data(paper_limits, gains_of_paper):
-    c = floats(conditions.excitation_bound(exact_numbers(), paper_limits, gains_of_paper))
+def test_the_numbers_of_15_on_the_paper_s_data(paper_data, gains_of_paper):
+    c = floats(conditions.excitation_bound(exact_numbers(), paper_data, gains_of_paper))
     needed = c / math.tanh(1)
     assert needed == pytest.approx([27.0997, 58.7161, 27.0997, 58.7161, 27.0997, 27.0997], abs=5e-5)
 
 
-def test_the_numbers_of_16_on_the_paper_s_data(paper_limits, gains_of_paper):
-    sums = conditions.condition_16(exact_numbers(), paper_limits, gains_of_paper)
+def test_the_numbers_of_16_on_the_paper_s_data(paper_data, gains_of_paper):
+    sums = conditions.condition_16(exact_numbers(), paper_data, gains_of_paper)
     assert floats(sums.small) == pytest.approx([653.27, 1302.15, 753.11, 1489.10, 503.52, 503.52], abs=5e-3)
     assert list(sums.large) == [1320, 1320, Fraction(4480, 3), Fraction(4480, 3), 504, 504]
 
 
-def test_16_is_a_few_percent_conservative_on_the_paper_s_data(paper_limits, gains_of_paper):
+def test_16_is_a_few_percent_conservative_on_the_paper_s_data(paper_data, gains_of_paper):
     numbers = exact_numbers()
-    torque_of_16 = conditions.condition_16(numbers, paper_limits, gains_of_paper).small
-    torque_of_16 = torque_of_16 * paper_limits.r / (2 * paper_limits.arm)
-    excess = floats(torque_of_16 / conditions.torque_bound(numbers, paper_limits, gains_of_paper)) - 1
+    torque_of_16 = conditions.condition_16(numbers, paper_data, gains_of_paper).small
+    torque_of_16 = torque_of_16 * paper_data.r / (2 * paper_data.arm)
+    excess = floats(torque_of_16 / conditions.torque_bound(numbers, paper_data, gains_of_paper)) - 1
     assert [excess.min(), excess.max()] == pytest.approx([0.02551, 0.03646], abs=5e-6)
 
 
-def test_the_saturation_paragraph_omits_a_term(paper_limits, gains_of_paper):
+def test_the_saturation_paragraph_omits_a_term(paper_data, gains_of_paper):
     """ubar_omega of vehicles 2 and 4: 180.42 by Proposition 1; the proof's closing paragraph prints 146.02."""
-    turning = conditions.turning_bound(exact_numbers(), paper_limits, gains_of_paper)
+    turning = conditions.turning_bound(exact_numbers(), paper_data, gains_of_paper)
     proposition = floats(gains_of_paper.d_omega + turning)
     led = floats([0, 10, 0, 10, 0, 0])
-    omitted = math.sqrt(2) * floats(gains_of_paper.k_alpha) * float(paper_limits.psi_bar) * led
+    omitted = math.sqrt(2) * floats(gains_of_paper.k_alpha) * float(paper_data.psi_bar) * led
     assert proposition[[1, 3]] == pytest.approx(180.42, abs=5e-3)
     assert (proposition - omitted)[[1, 3]] == pytest.approx(146.02, abs=5e-3)
 
 
-def test_the_paper_s_gains_are_accepted(paper_limits, gains_of_paper):
+def test_the_paper_s_gains_are_accepted(paper_data, gains_of_paper):
     for condition in PRINTED:
-        assert condition(exact_numbers(), paper_limits, gains_of_paper).holds.all()
+        assert condition(exact_numbers(), paper_data, gains_of_paper).holds.all()
 
 
 @pytest.mark.parametrize("vehicle", range(6))
-def test_each_tightened_limit_is_refused_for_that_vehicle_alone(vehicle, paper_limits, gains_of_paper):
+def test_each_tightened_limit_is_refused_for_that_vehicle_alone(vehicle, paper_data, gains_of_paper):
     numbers = exact_numbers()
 
-    def refused(condition, limits, gains):
-        return list(np.flatnonzero(~condition(numbers, limits, gains).holds.astype(bool)))
+    def refused(condition, data, gains):
+        return list(np.flatnonzero(~condition(numbers, data, gains).holds.astype(bool)))
 
-    needed = conditions.excitation_bound(numbers, paper_limits, gains_of_paper) / tanh_below(Fraction(1))
+    needed = conditions.excitation_bound(numbers, paper_data, gains_of_paper) / tanh_below(Fraction(1))
     d_omega = gains_of_paper.d_omega.copy()
     d_omega[vehicle] = needed[vehicle] * (1 - LAST_PLACE)
-    assert refused(conditions.condition_15, paper_limits, with_gain(gains_of_paper, "d_omega", d_omega)) == [vehicle]
+    assert refused(conditions.condition_15, paper_data, with_gain(gains_of_paper, "d_omega", d_omega)) == [vehicle]
     d_omega[vehicle] = needed[vehicle]
-    assert refused(conditions.condition_15, paper_limits, with_gain(gains_of_paper, "d_omega", d_omega)) == []
+    assert refused(conditions.condition_15, paper_data, with_gain(gains_of_paper, "d_omega", d_omega)) == []
 
-    sums = conditions.condition_16(numbers, paper_limits, gains_of_paper).small
+    sums = conditions.condition_16(numbers, paper_data, gains_of_paper).small
     for condition, least, at_equality in (
-        (conditions.condition_16, sums * paper_limits.r / (2 * paper_limits.arm), [vehicle]),  # strict
-        (conditions.condition_16_star, conditions.torque_bound(numbers, paper_limits, gains_of_paper), []),
+        (conditions.condition_16, sums * paper_data.r / (2 * paper_data.arm), [vehicle]),  # strict
+        (conditions.condition_16_star, conditions.torque_bound(numbers, paper_data, gains_of_paper), []),
     ):
-        torque = paper_limits.torque.copy()
+        torque = paper_data.torque.copy()
         for factor, expected in ((1 - LAST_PLACE, [vehicle]), (1, at_equality), (1 + LAST_PLACE, [])):
             torque[vehicle] = least[vehicle] * factor
-            assert refused(condition, replace(paper_limits, torque=torque), gains_of_paper) == expected
+            assert refused(condition, replace(paper_data, torque=torque), gains_of_paper) == expected
 
 
 def test_the_smaller_of_the_two_torque_limits_counts(paper, psi_of_paper):
@@ -175,15 +175,15 @@ def as_printed(D, bar, r, arm, torque, speed, turn_rate, a, a_turn, m, inertia, 
     }
 
 
-def test_the_conditions_are_those_of_the_theorem(limits, exact_gains):
+def test_the_conditions_are_those_of_the_theorem(data, exact_gains):
     numbers = {
-        **{field: floats(values) for field, values in vars(limits).items()},
+        **{field: floats(values) for field, values in vars(data).items()},
         **{name: floats(getattr(exact_gains, name)) for name in GAIN_NAMES},
         "s": floats(exact_gains.saturation.speed),
         "o": floats(exact_gains.saturation.turn_rate),
     }
     bar = float(numbers.pop("psi_bar"))
-    found = [condition(float_numbers(), limits.map(floats), exact_gains.map(floats)) for condition in ALL]
+    found = [condition(float_numbers(), data.map(floats), exact_gains.map(floats)) for condition in ALL]
     motion = ("speed", "turn_rate", "acceleration", "turn_acceleration")
     names = ("degree", "r", "arm", "torque", *motion, "m", "inertia", *GAIN_NAMES, "s", "o")
     for i, (D, *own) in enumerate(zip(*(numbers[name] for name in names), strict=True)):
@@ -196,16 +196,16 @@ def test_the_conditions_are_those_of_the_theorem(limits, exact_gains):
 # -- one law, five algebras -------------------------------------------------------------------------------------------
 
 
-def in_sympy(condition, limits, gains):
+def in_sympy(condition, data, gains):
     rational = np.frompyfunc(sp.Rational, 1, 1)
-    exact = condition(sympy_numbers(), limits.map(rational), gains.map(rational))
+    exact = condition(sympy_numbers(), data.map(rational), gains.map(rational))
     return exact.small, exact.large
 
 
-def in_casadi(condition, limits, gains):
-    columns = (ca.MX.sym(name, len(limits.degree)) for name in GAIN_NAMES)
+def in_casadi(condition, data, gains):
+    columns = (ca.MX.sym(name, len(data.degree)) for name in GAIN_NAMES)
     symbols = Gains(*columns, gains.saturation.map(floats).map(ca.DM))
-    inequality = condition(casadi_numbers(), limits.map(floats).map(ca.DM), symbols)
+    inequality = condition(casadi_numbers(), data.map(floats).map(ca.DM), symbols)
     arguments = [getattr(symbols, name) for name in GAIN_NAMES]
     values = ca.Function("f", arguments, [inequality.small, ca.MX(inequality.large)]).call(
         [ca.DM(floats(getattr(gains, name))) for name in GAIN_NAMES]
@@ -213,15 +213,15 @@ def in_casadi(condition, limits, gains):
     return [np.array(value).ravel() for value in values]
 
 
-def in_cvxpy(condition, limits, gains):
+def in_cvxpy(condition, data, gains):
     import cvxpy as cp
 
-    n = len(limits.degree)
+    n = len(data.degree)
     columns = (Elementwise(cp.Variable(n, pos=True)) for _ in GAIN_NAMES)
     variables = Gains(*columns, gains.saturation.map(floats))
     for name in GAIN_NAMES:
         getattr(variables, name).expression.value = floats(getattr(gains, name))
-    inequality = condition(cvxpy_numbers(), limits.map(floats), variables)
+    inequality = condition(cvxpy_numbers(), data.map(floats), variables)
     constraint = inequality.small <= inequality.large
     assert constraint.is_dcp()
     small, large = plain(inequality.small), plain(inequality.large)
@@ -229,43 +229,43 @@ def in_cvxpy(condition, limits, gains):
 
 
 @pytest.mark.parametrize("condition", ALL, ids=lambda condition: condition.__name__)
-def test_every_algebra_gives_the_same_numbers(condition, limits, exact_gains):
-    small, large = in_sympy(condition, limits, exact_gains)
-    fractions = condition(exact_numbers(), limits, exact_gains)
+def test_every_algebra_gives_the_same_numbers(condition, data, exact_gains):
+    small, large = in_sympy(condition, data, exact_gains)
+    fractions = condition(exact_numbers(), data, exact_gains)
     for exact, safe, sign in ((small, fractions.small, 1), (large, fractions.large, -1)):
         for truth, enclosure in zip(exact, safe, strict=True):
             excess = sign * (sp.Rational(enclosure) - truth)  # fractions err in the direction that refuses
             assert excess.evalf(20, maxn=200) >= 0 or excess.equals(0)
             assert abs(excess.evalf(20, maxn=200)) <= truth.evalf() * sp.Rational(LAST_PLACE)
     expected = [floats([sp.N(truth, 20) for truth in side]) for side in (small, large)]
-    by_float = condition(float_numbers(), limits.map(floats), exact_gains.map(floats))
+    by_float = condition(float_numbers(), data.map(floats), exact_gains.map(floats))
     for sides in (
         (by_float.small, by_float.large),
-        in_casadi(condition, limits, exact_gains),
-        in_cvxpy(condition, limits, exact_gains),
+        in_casadi(condition, data, exact_gains),
+        in_cvxpy(condition, data, exact_gains),
     ):
         for side, truth in zip(sides, expected, strict=True):
             assert np.broadcast_to(side, truth.shape) == pytest.approx(truth, rel=1e-13)
 
 
 @pytest.mark.parametrize("condition", ALL, ids=lambda condition: condition.__name__)
-def test_small_is_homogeneous_in_the_gains_it_names(condition, limits, exact_gains):
+def test_small_is_homogeneous_in_the_gains_it_names(condition, data, exact_gains):
     numbers = float_numbers()
-    limits, gains = limits.map(floats), exact_gains.map(floats)
-    before = condition(numbers, limits, gains)
+    data, gains = data.map(floats), exact_gains.map(floats)
+    before = condition(numbers, data, gains)
     scaled = replace(gains, **{name: 3 * getattr(gains, name) for name in before.scaled})
-    after = condition(numbers, limits, scaled)
+    after = condition(numbers, data, scaled)
     assert after.small == pytest.approx(3 * before.small, rel=1e-13)
     assert after.large == pytest.approx(before.large, rel=1e-15)
     for name in GAIN_NAMES:
-        moved = condition(numbers, limits, with_gain(gains, name, 2 * getattr(gains, name)))
+        moved = condition(numbers, data, with_gain(gains, name, 2 * getattr(gains, name)))
         assert (name in before.scaled) == bool((moved.small != before.small).any())
 
 
 def test_no_limit_asked_for_is_none_imposed(fleet, psi, exact_gains):
     """Where one vehicle asks for a limit, the others are held to none, whatever their gains."""
-    limits = fleet.condition_data(psi)
-    one = replace(limits, speed=limits.speed.copy(), turn_rate=limits.turn_rate.copy())
+    data = fleet.condition_data(psi)
+    one = replace(data, speed=data.speed.copy(), turn_rate=data.turn_rate.copy())
     one.speed[0] = one.turn_rate[0] = Fraction(1, 100)
     wild = replace(exact_gains, p_v=exact_gains.p_v * 10**9, p_omega=exact_gains.p_omega * 10**9)
     for numbers, convert in ((exact_numbers(), lambda a: a), (float_numbers(), floats)):
@@ -311,8 +311,8 @@ def test_16_star_accepts_equality_and_refuses_one_unit_in_the_last_place_beyond(
 
 def test_floats_cannot_tell():
     """Why a verdict is never taken in floats: 1e-17 N m beyond the limit goes unseen."""
-    limits = one_vehicle(Fraction("10.6") - Fraction("1e-17")).map(floats)
-    assert conditions.condition_16_star(float_numbers(), limits, RATIONAL_GAINS.map(floats)).holds.all()
+    data = one_vehicle(Fraction("10.6") - Fraction("1e-17")).map(floats)
+    assert conditions.condition_16_star(float_numbers(), data, RATIONAL_GAINS.map(floats)).holds.all()
 
 
 @pytest.mark.parametrize(("strict", "at_equality"), [(False, True), (True, False)])
@@ -324,8 +324,8 @@ def test_a_strict_inequality_refuses_equality(strict, at_equality):
     assert list(Inequality("", "", a, more, (), strict).margin) == [Fraction(1, 10**300)]
 
 
-def test_which_conditions_are_strict(paper_limits, gains_of_paper):
-    strict = [condition(exact_numbers(), paper_limits, gains_of_paper).strict for condition in ALL]
+def test_which_conditions_are_strict(paper_data, gains_of_paper):
+    strict = [condition(exact_numbers(), paper_data, gains_of_paper).strict for condition in ALL]
     assert strict == [False, True, True, False, False, False, False, False]
 
 
@@ -339,15 +339,15 @@ def test_which_conditions_are_strict(paper_limits, gains_of_paper):
     ],
     ids=lambda value: getattr(value, "__name__", value),
 )
-def test_verdicts_flip_at_the_true_threshold(condition, gain, limits, exact_gains):
+def test_verdicts_flip_at_the_true_threshold(condition, gain, data, exact_gains):
     """The threshold in the damping gain by SymPy to 60 digits; 1e-36 of it to either side decides."""
-    small, large = in_sympy(condition, limits, exact_gains)
+    small, large = in_sympy(condition, data, exact_gains)
     for factor, holds in ((1 + LAST_PLACE, True), (1 - LAST_PLACE, False)):
         values = [
             Fraction(str(sp.N(needed / (room / sp.Rational(own)), 60))) * factor
             for needed, room, own in zip(small, large, getattr(exact_gains, gain), strict=True)
         ]
-        verdict = condition(exact_numbers(), limits, with_gain(exact_gains, gain, column(values)))
+        verdict = condition(exact_numbers(), data, with_gain(exact_gains, gain, column(values)))
         assert (verdict.holds == holds).all()
 
 
@@ -446,8 +446,8 @@ def test_weaker_forms_of_16_star_are_broken(mutant):
     """Witnesses for mutants of docs/theory.md 8: one vehicle, a torque above what they claim."""
     gains = Gains(*(np.array([value]) for value in (1.0, 0.1, 0.2, 0.3, 1.0)))
     psi = Excitation(Fraction(0), Fraction(1), (Fraction(1),))
-    limits = one_vehicle("1").map(floats)
-    assert conditions.torque_bound(float_numbers(), limits, gains)[0] == pytest.approx(0.1 + 2 + 0.5)
+    data = one_vehicle("1").map(floats)
+    assert conditions.torque_bound(float_numbers(), data, gains)[0] == pytest.approx(0.1 + 2 + 0.5)
     keys = ("mass", "inertia", "half_track", "wheel_radius", "torque_limit")
     fleet = Fleet.model_validate(
         {
@@ -463,15 +463,15 @@ def test_weaker_forms_of_16_star_are_broken(mutant):
     assert claimed < reached <= 2.6
 
 
-def test_16_implies_16_star(limits, exact_gains):
+def test_16_implies_16_star(data, exact_gains):
     """Even where (16) holds by a hair, (16*) holds with room; and (16*) does not imply (16)."""
     numbers = exact_numbers()
-    sums = conditions.condition_16(numbers, limits, exact_gains).small
-    least = sums * limits.r / (2 * limits.arm)
-    just = replace(limits, torque=least * (1 + LAST_PLACE))
+    sums = conditions.condition_16(numbers, data, exact_gains).small
+    least = sums * data.r / (2 * data.arm)
+    just = replace(data, torque=least * (1 + LAST_PLACE))
     assert conditions.condition_16(numbers, just, exact_gains).holds.all()
     assert (conditions.condition_16_star(numbers, just, exact_gains).margin > 0).all()
-    exact = replace(limits, torque=conditions.torque_bound(numbers, limits, exact_gains))
+    exact = replace(data, torque=conditions.torque_bound(numbers, data, exact_gains))
     assert conditions.condition_16_star(numbers, exact, exact_gains).holds.all()
     assert not conditions.condition_16(numbers, exact, exact_gains).holds.any()
 
@@ -533,13 +533,13 @@ def run(fleet, gains, psi, state, horizon):
 @pytest.mark.parametrize("family", ["single", "line", "weighted", "paper"], indirect=True)
 def test_speed_and_turn_rate_limits_are_invariant(fleet, psi, draw_gains, draw_state, random):
     """Gains that meet both limits with equality: from within them, at them or at rest, no vehicle passes them."""
-    n, limits, gains = len(fleet), fleet.condition_data(psi).map(floats), draw_gains(len(fleet)).map(floats)
+    n, data, gains = len(fleet), fleet.condition_data(psi).map(floats), draw_gains(len(fleet)).map(floats)
     speed, turn_rate = random.uniform(0.2, 1.5, (2, n))
     numbers = float_numbers()
     gains = replace(
         gains,
-        d_v=conditions.pulling_bound(numbers, limits, gains) / np.tanh(speed / gains.saturation.speed),
-        d_omega=conditions.turning_bound(numbers, limits, gains) / np.tanh(turn_rate / gains.saturation.turn_rate),
+        d_v=conditions.pulling_bound(numbers, data, gains) / np.tanh(speed / gains.saturation.speed),
+        d_omega=conditions.turning_bound(numbers, data, gains) / np.tanh(turn_rate / gains.saturation.turn_rate),
     )
     for share in (0.0, 1.0):
         state = draw_state(n)
@@ -558,9 +558,9 @@ def test_speed_and_turn_rate_limits_are_invariant(fleet, psi, draw_gains, draw_s
 @pytest.mark.parametrize("family", ["single"], indirect=True)
 def test_the_speed_limit_is_approached(fleet, psi, draw_gains):
     """A vehicle that heads straight for a far goal runs at the limit, so the limit is not idle."""
-    limits, gains = fleet.condition_data(psi).map(floats), draw_gains(1).map(floats)
+    data, gains = fleet.condition_data(psi).map(floats), draw_gains(1).map(floats)
     gains = replace(
-        gains, d_v=conditions.pulling_bound(float_numbers(), limits, gains) / np.tanh(0.7 / gains.saturation.speed)
+        gains, d_v=conditions.pulling_bound(float_numbers(), data, gains) / np.tanh(0.7 / gains.saturation.speed)
     )
     plant = fleet.plant()
     ahead = replace(plant, leader_theta=math.pi / 4)
@@ -585,33 +585,33 @@ def test_the_speed_limit_is_approached(fleet, psi, draw_gains):
 # -- limits of wheels and accelerations --------------------------------------------------------------------------------
 
 
-def test_the_wheel_speed_condition_is_that_of_its_parts(limits, exact_gains):
+def test_the_wheel_speed_condition_is_that_of_its_parts(data, exact_gains):
     """s atanh(sqrt2 p_v D / d_v) + arm o atanh((p_omega D + c) / d_omega) <= r W, in floats and in fractions."""
     gains = replace(exact_gains, p_v=exact_gains.p_v / 10**4, p_omega=exact_gains.p_omega / 10**4)
     gains = replace(gains, k_alpha=exact_gains.k_alpha / 10**4)
-    by_float = conditions.wheel_speed_condition(float_numbers(), limits.map(floats), gains.map(floats))
-    exact = conditions.wheel_speed_condition(exact_numbers(), limits, gains)
+    by_float = conditions.wheel_speed_condition(float_numbers(), data.map(floats), gains.map(floats))
+    exact = conditions.wheel_speed_condition(exact_numbers(), data, gains)
     assert floats(exact.small) == pytest.approx(by_float.small, rel=1e-12)
-    V = floats(gains.saturation.speed) * np.arctanh(math.sqrt(2) * floats(gains.p_v * limits.degree / gains.d_v))
-    moment = floats(gains.p_omega * limits.degree) + math.sqrt(2) * float(limits.psi_bar) * floats(
-        gains.k_alpha * limits.degree
+    V = floats(gains.saturation.speed) * np.arctanh(math.sqrt(2) * floats(gains.p_v * data.degree / gains.d_v))
+    moment = floats(gains.p_omega * data.degree) + math.sqrt(2) * float(data.psi_bar) * floats(
+        gains.k_alpha * data.degree
     )
     Omega = floats(gains.saturation.turn_rate) * np.arctanh(moment / floats(gains.d_omega))
-    assert by_float.small == pytest.approx(V + floats(limits.longest_arm) * Omega, rel=1e-12)
-    assert by_float.large == pytest.approx(floats(limits.smallest_r * limits.wheel_speed), rel=1e-15)
+    assert by_float.small == pytest.approx(V + floats(data.longest_arm) * Omega, rel=1e-12)
+    assert by_float.large == pytest.approx(floats(data.smallest_r * data.wheel_speed), rel=1e-15)
 
 
-def test_a_wheel_that_the_controller_can_drive_without_bound_keeps_no_limit(limits, exact_gains):
+def test_a_wheel_that_the_controller_can_drive_without_bound_keeps_no_limit(data, exact_gains):
     wild = replace(exact_gains, p_v=exact_gains.p_v * 10**9)
-    assert not conditions.wheel_speed_condition(exact_numbers(), limits, wild).holds.any()
+    assert not conditions.wheel_speed_condition(exact_numbers(), data, wild).holds.any()
 
 
-def test_lowering_the_named_gains_lowers_the_wheel_speed_in_proportion_or_more(limits, exact_gains):
+def test_lowering_the_named_gains_lowers_the_wheel_speed_in_proportion_or_more(data, exact_gains):
     small = {}
     for factor in (Fraction(1, 10**5), Fraction(1, 10**6)):
         names = ("p_v", "p_omega", "k_alpha")
         gains = replace(exact_gains, **{name: getattr(exact_gains, name) * factor for name in names})
-        small[factor] = floats(conditions.wheel_speed_condition(exact_numbers(), limits, gains).small)
+        small[factor] = floats(conditions.wheel_speed_condition(exact_numbers(), data, gains).small)
     assert (small[Fraction(1, 10**6)] <= small[Fraction(1, 10**5)] / 10 * (1 + 1e-12)).all()
 
 
