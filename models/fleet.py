@@ -146,7 +146,7 @@ class Fleet(Table):
         Left out are its name, the leader's pose, starts, scales (they belong to the gains) and the disturbance.
         """
         tables: Any = dict.fromkeys(("name", "leader", "disturbance", "saturation"), True)
-        left_out = {**tables, "vehicles": {"__all__": {"start", "footprint"}}}
+        left_out = {**tables, "vehicles": {"__all__": {"start", "footprint", "com_offset"}}}
         content: dict[str, Any] = self.model_dump(mode="json", by_alias=True, exclude=left_out)
         for vehicle in content["vehicle"]:
             if vehicle["wheel_inertia"] == "0":

@@ -89,6 +89,7 @@ class Vehicle(Table):
     limits: MotionLimits = MotionLimits()
     wheel_inertia: UncertainOrZero = Fraction(0)  # kg m^2, J of one wheel and its rotor about the axle
     footprint: Positive | None = None  # m, radius, for the distance between robots in reports
+    com_offset: Point = (Fraction(0), Fraction(0))  # m, centre of mass ahead of the axle and left of its centre
 
     def mass_bounds(self) -> tuple[Fraction, Fraction]:
         """(least, greatest) effective mass, kg: m + 2 J / r^2, since the wheels spin as the vehicle rolls."""

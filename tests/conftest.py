@@ -21,7 +21,8 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 
-SHARED = Path(__file__).parents[2] / "shared"  # public robot descriptions and fleets beside the project
+# Public robot descriptions and fleets, read in place: beside the project, or where GAINCERT_SHARED says.
+SHARED = Path(os.environ.get("GAINCERT_SHARED") or Path(__file__).resolve().parents[2] / "shared")
 # What a test may need: any of these programs, Python modules or folders, and how to get it.
 TOOLS = {
     "gcc": (["gcc"], "apt-get install gcc"),
@@ -35,8 +36,10 @@ TOOLS = {
     "mkdocstrings": (["mkdocstrings"], "pip install '.[docs]'"),
     "yaml": (["yaml"], "pip install '.[test]'"),
     "z3": (["z3"], "pip install '.[test]'"),
+    "xacro": (["xacro"], "pip install '.[robots]'"),
+    "mujoco": (["mujoco"], "pip install '.[robots]'"),
     "distributed": (["distributed"], "pip install '.[test]'"),
-    "shared": ([str(SHARED)], f"the folder {SHARED.name} has to lie beside the project"),
+    "shared": ([str(SHARED)], "put the folder `shared` beside the project or name it in GAINCERT_SHARED"),
     "proc": (["/proc/self/stat"], "the tests of processes read /proc, which Linux has"),
 }
 
@@ -66,7 +69,8 @@ def pytest_runtest_setup(item):
         for tool in marker.args:
             assert tool in TOOLS, f"{tool!r} is not in TOOLS of tests/conftest.py"
             if tool in missing:
-                pytest.skip(missing[tool])
+                # Public inputs are part of CI: there their absence is a failure.
+                (pytest.fail if tool == "shared" and os.environ.get("CI") == "true" else pytest.skip)(missing[tool])
 
 
 def pytest_sessionfinish(session):
@@ -79,6 +83,12 @@ def pytest_sessionfinish(session):
         if reason not in _missing().values():
             reporter.write_line(f"\nskipped without a missing tool: {report.nodeid}: {reason}", red=True)
             session.exitstatus = pytest.ExitCode.TESTS_FAILED
+
+
+@pytest.fixture(scope="session")
+def shared():
+    """The folder of public inputs; a test that takes it is marked `needs("shared")`."""
+    return SHARED
 
 
 def _random_tree(random, n):

@@ -8,24 +8,37 @@ import tomllib
 from collections import Counter
 from decimal import Decimal
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pydantic import ValidationError
 
 from ..errors import InputError
 from ..fleet import Fleet
 from ..graph_checks import graph_mistakes
-from .mistakes import explain, shown
+from .mistakes import explain
+from .robots.fleet_robots import Robot, with_robots
 from .text import read_text
 
 MAX_TOML_BYTES = 32 * 2**20
 MAX_CSV_BYTES = 1024 * 2**20
 
 
+class FleetFile(NamedTuple):
+    """A fleet and the robot descriptions that its file names."""
+
+    fleet: Fleet
+    robots: tuple[Robot | None, ...]  # of each vehicle; empty where the file names none
+
+
 def load_fleet(path: str | Path) -> Fleet:
     """The fleet described by a TOML file. Raises InputError with one line for every mistake."""
+    return load_fleet_file(path).fleet
+
+
+def load_fleet_file(path: str | Path) -> FleetFile:
+    """The fleet described by a TOML file, and where its robots' numbers come from. Raises InputError."""
     path = Path(path)
-    return parse(read_toml(path), path.parent)
+    return parse_file(read_toml(path), path.parent)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
@@ -43,9 +56,14 @@ def read_toml(path: Path) -> dict[str, Any]:
 
 def parse(content: dict[str, Any], folder: Path = Path()) -> Fleet:
     """The fleet that the content of a TOML file describes; CSV and URDF paths are taken from `folder`."""
+    return parse_file(content, folder).fleet
+
+
+def parse_file(content: dict[str, Any], folder: Path = Path()) -> FleetFile:
+    """The same, with the robot descriptions."""
     content = _with_tables(content, folder)
     mistakes: list[str] = []
-    content = _with_robots(content, folder, mistakes)
+    content, robots = with_robots(content, folder, mistakes)
     for name, field in Fleet.model_fields.items():
         if field.alias and name in content:  # Python code may say links and vehicles, a file says graph and [[vehicle]]
             mistakes.append(f"unknown key {name!r} (did you mean {field.alias!r}?); correct or remove it")
@@ -57,7 +75,7 @@ def parse(content: dict[str, Any], folder: Path = Path()) -> Fleet:
         mistakes += [line for line in _raw_graph_mistakes(content) if line not in mistakes]
     if mistakes:
         raise InputError(*mistakes)
-    return fleet
+    return FleetFile(fleet, robots)
 
 
 _VEHICLE_COLUMNS = {
@@ -121,32 +139,6 @@ def read_csv(path: Path, columns: list[str]) -> list[dict[str, str]]:
         if None in row or None in row.values():
             raise InputError(f"{path}: row {number} must have {len(columns)} columns: {','.join(columns)}")
     return rows
-
-
-def _with_robots(content: dict[str, Any], folder: Path, mistakes: list[str]) -> dict[str, Any]:
-    """The content with `urdf = FILE` of a vehicle replaced by the numbers which that file yields."""
-    vehicles = content.get("vehicle")
-    if not isinstance(vehicles, list) or not any(isinstance(v, dict) and "urdf" in v for v in vehicles):
-        return content
-    from .urdf import read_urdf
-
-    known: dict[Any, dict[str, Any]] = {}
-    replaced = []
-    for vehicle in vehicles:
-        if isinstance(vehicle, dict) and "urdf" in vehicle:
-            source = vehicle["urdf"] if isinstance(vehicle["urdf"], str) else None
-            if source not in known:
-                try:
-                    if source is None:
-                        raise InputError(f"urdf = {shown(vehicle['urdf'])} must be a text in quotes")
-                    known[source] = read_urdf(folder / source)
-                except InputError as error:
-                    mistakes += error.mistakes
-                    known[source] = dict.fromkeys(("mass", "inertia", "half_track", "wheel_radius"), 1)
-            # What the fleet file says itself wins over the robot's description.
-            vehicle = {**known[source], **{key: value for key, value in vehicle.items() if key != "urdf"}}
-        replaced.append(vehicle)
-    return {**content, "vehicle": replaced}
 
 
 def _raw_graph_mistakes(content: dict[str, Any]) -> list[str]:

@@ -8,7 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from ..fleet import Fleet
-from ..fleet_tables import MotionLimits, Table
+from ..fleet_tables import Table
 from ..numbers import decimal_text
 
 TABLES = ("leader", "excitation", "saturation", "disturbance", "graph")
@@ -32,8 +32,11 @@ def dumps(fleet: Fleet) -> str:
 
 def _entries(table: Table) -> dict[str, Any]:
     """The keys of a table that say something, as they are called in a file."""
-    named = {field.alias or name: getattr(table, name) for name, field in type(table).model_fields.items()}
-    return {key: value for key, value in named.items() if value not in (None, (), MotionLimits())}
+    return {
+        field.alias or name: getattr(table, name)
+        for name, field in type(table).model_fields.items()
+        if getattr(table, name) != field.default
+    }
 
 
 def _lines(entries: dict[str, Any]) -> list[str]:

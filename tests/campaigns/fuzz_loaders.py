@@ -25,8 +25,8 @@ def seeds() -> dict[str, list[str]]:
     """Good files of each loader."""
     from tests.campaigns.certified_fleets import CASES
     from tests.cli.test_bad_input import FLEET, GAINS, STARTS, design
+    from tests.models.robots.robot_files import ROBOT
     from tests.models.test_fleet_file import GOOD
-    from tests.models.test_urdf import ROBOT
 
     table = "vehicle,p_v,d_v,p_omega,d_omega,k_alpha\na,1,20,0.5,10,0.5\nb,1,20,0.5,10,0.5\n"
     certificates = [case().certificate.to_json() for case in CASES.values()]
@@ -46,8 +46,8 @@ def target(loader: str, folder: Path) -> Callable[[bytes], None]:
     from gaincert.models.errors import InputError
     from gaincert.models.files.fleet_file import load_fleet as load
     from gaincert.models.files.gains_file import load_gains
+    from gaincert.models.files.robots.description import read_robot
     from gaincert.models.files.starts_file import load_starts
-    from gaincert.models.files.urdf import read_urdf
     from gaincert.verify.kernel import UnreadableError, check
 
     from tests.cli.test_bad_input import good_fleet
@@ -59,7 +59,7 @@ def target(loader: str, folder: Path) -> Callable[[bytes], None]:
         "gains_csv": ("gains.csv", lambda path: load_gains(path, fleet)),
         "design_json": ("design.json", lambda path: load_gains(path, fleet)),
         "starts": ("starts.csv", lambda path: load_starts(path, fleet)),
-        "urdf": ("robot.urdf", read_urdf),
+        "urdf": ("robot.urdf", read_robot),
         "certificate": ("certificate.json", check),
     }
     name, read = files[loader]
@@ -80,7 +80,7 @@ def fuzz(loader: str, folder: Path, options: list[str]) -> None:
     with atheris.instrument_imports(include=["gaincert.models", "gaincert.verify.kernel", "tomllib", "csv", "json"]):
         import gaincert.models.files.fleet_file
         import gaincert.models.files.gains_file
-        import gaincert.models.files.urdf
+        import gaincert.models.files.robots.description
         import gaincert.models.starts
         import gaincert.verify.kernel  # noqa: F401
     atheris.Setup([sys.argv[0], *options], target(loader, folder))

@@ -34,7 +34,7 @@ from gaincert.reports.deployment import write_fleet_copy
 from gaincert.verify.certificates.certify import certify
 
 from tests.cli.command_line import gaincert
-from tests.models.test_urdf import ROBOT
+from tests.models.robots.robot_files import ROBOT
 
 FLEET = """
 name = "two"
@@ -276,7 +276,12 @@ def fleets() -> list[Bad]:
         bad("a key twice", "mass = 20", "mass = 20\nmass = 20", r"fleet\.toml: is not TOML"),
         bad("truncated", FLEET[200:], "", r"fleet\.toml: is not TOML|is missing"),
         bad("nested deeply", "mass = 20", f"mass = {DEEP}", r"fleet\.toml: is nested too deeply"),
-        bad("a urdf that is a tower of tables", "mass = 20", f"urdf{'.a' * 1500} = 1", r"urdf = \(too long to show\)"),
+        bad(
+            "a urdf that is a tower of tables",
+            "mass = 20",
+            f"urdf{'.a' * 1500} = 1",
+            r"vehicle 'a': urdf: unknown key 'a'",
+        ),
         bad("a urdf that is a huge number", "mass = 20", f"urdf = {HUGE}", r"urdf = .* must be a text in quotes"),
         bad("a disturbance below zero", "[graph]", "[disturbance]\ndelay = -1\n[graph]", r"delay = -1 must be a"),
     ]
@@ -324,11 +329,20 @@ def robots() -> list[Bad]:
         bad("truncated", ROBOT[:400], r"r\.urdf: is not safe XML"),
         bad("binary", b"\xff\xfe\x00\x01", r"r\.urdf: is not UTF-8 text"),
         bad("nested deeply", "<a>" * 50_000, r"r\.urdf: is not safe XML"),
-        bad("no drive wheels", "<robot/>", r"it has 0 continuous joints; a differential drive has 2"),
-        bad("a negative mass", but('<mass value="4"/>', '<mass value="-4"/>'), r"link 'base' has the mass -4"),
+        bad("no links", "<robot/>", r"r\.urdf: has no <link>; a robot description needs a base and its wheels"),
+        bad("no drive wheels", '<robot><link name="a"/></robot>', r"r\.urdf: has no drive wheels: two continuous"),
+        bad(
+            "a negative mass",
+            but('<mass value="4"/>', '<mass value="-4"/>'),
+            r"link 'base': <inertial> has the mass -4",
+        ),
         bad("a mass of NaN", but('<mass value="4"/>', '<mass value="nan"/>'), r"r\.urdf: .*is not finite"),
-        bad("a wheel radius of zero", ROBOT.replace('radius="0.11"', 'radius="0"'), r"wheel_radius = 0 must be a"),
-        bad("wheels that differ", but('radius="0.11"', 'radius="0.2"'), r"different radii \[0\.11, 0\.2\]"),
+        bad(
+            "a wheel radius of zero",
+            ROBOT.replace('radius="0.11"', 'radius="0"'),
+            r"its wheel radius is 0 m; it must be > 0",
+        ),
+        bad("wheels that differ", but('radius="0.11"', 'radius="0.2"'), r"different radii, 0.11 m .* and 0.2 m"),
         bad("a loop of joints", but('link="base"/><child link="mast"', 'link="arm"/><child link="mast"'), r"a loop"),
         bad("ANSI escapes", f"<robot>{ESCAPE}", r"r\.urdf: is not safe XML"),
     ]
