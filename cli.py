@@ -18,7 +18,14 @@ from .workflows.inputs import DisturbanceOptions, StartOptions, Starts, read_fle
 from .workflows.prove import prove_claims, theorem_holds
 from .workflows.run import run as run_pipeline
 from .workflows.simulate import Simulation, simulate_schemes
-from .workflows.validate import Validation, replay_start, spec_of, validate_starts, validation_exit_code
+from .workflows.validate import (
+    Validation,
+    default_horizon,
+    replay_start,
+    spec_of,
+    validate_starts,
+    validation_exit_code,
+)
 
 INTERRUPTED = 130  # the exit code
 
@@ -155,7 +162,7 @@ def validate(
     starts_file: cli.StartsFile = None,
     box: cli.Box = None,
     seed: cli.Seed = 0,
-    horizon: cli.Horizon = 300.0,
+    horizon: cli.Horizon = None,
     tolerance: cli.ToleranceOption = (0.1, 0.1),
     workers: cli.Workers = None,
     scheduler: cli.Scheduler = None,
@@ -174,7 +181,8 @@ def validate(
     chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
     count = starts if replay is None else max(starts, replay + 1)
     drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
-    spec = spec_of(fleet, chosen, drawn, horizon, settled, integrator)
+    end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
+    spec = spec_of(fleet, chosen, drawn, end, settled, integrator)
     if replay is not None:
         document = replay_start(printer, Validation(spec, drawn.states, seed), replay, folder)
         return Outcome.of(document, true=document["same"] is not False)

@@ -156,7 +156,10 @@ OpenHorizon = Annotated[
     float | None,
     typer.Option("--horizon", min=0.1, max=1e6, help="simulated time, s [default: a while past settling]"),
 ]
-Horizon = Annotated[float, typer.Option(min=0.1, max=1e6, help="simulated time of every start, s")]
+Horizon = Annotated[
+    float | None,
+    typer.Option(min=0.1, max=1e6, help="simulated time of every start, s [default: six times the predicted tail]"),
+]
 NoiseSeed = Annotated[int, typer.Option("--seed", min=0, help="seed of the noise and mismatch of [disturbance]")]
 Starts = Annotated[int, typer.Option(min=1, max=1_000_000, help="number of random starts, all at rest")]
 StartsFile = Annotated[

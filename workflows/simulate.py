@@ -37,6 +37,7 @@ def simulate_schemes(
     from ..reports.deployment import write_fleet_copy
     from ..reports.figures.run_figures import write_figures
     from ..reports.versions import versions
+    from ..verify.simulation.settling import Approach
     from ..verify.simulation.simulate import summarize
 
     scheme = simulation.schemes[0]
@@ -45,6 +46,8 @@ def simulate_schemes(
     summary = summarize(fleet, first, simulation.tolerance, with_error=True)
     drawn = {f"{name} scheme": run for name, run in runs.items()}
     printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *sensitivity(summary))
+    if not summary.settled and summary.approach is Approach.CLOSING_IN:
+        printer.say("give a longer --horizon to see it settle")
     if simulation.disturbance is not None:
         disturbance = simulation.disturbance
         summary, stored = _disturbed(fleet, first, disturbance, summary)

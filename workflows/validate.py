@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,6 +16,7 @@ if TYPE_CHECKING:
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
     from ..verify.simulation.disturbance import Disturbance
+    from ..verify.validation.start_result import StartResult
     from ..verify.validation.validate import ValidationSpec
     from .inputs import Starts
 
@@ -30,6 +32,30 @@ class Validation:
     largest_sample_time: bool = False  # whether to look for it
     workers: int | None = None  # None: one for every core
     scheduler: str | None = None  # the address of a Dask cluster
+
+
+HORIZON_FACTOR = 6.0  # of the predicted tail, as in `design`: transients and chaos take their time, too
+HORIZONS = (300.0, 20_000.0)  # s, shortest and longest
+
+
+def default_horizon(fleet: Fleet, gains: GainsFile, tolerance: Tolerance) -> float:
+    """How long a start has to be simulated to see it settle, s, from the tail that the averaged flow predicts.
+
+    Rounded up to two digits, so that it is the same on every processor.
+    """
+    from ..models.arrays import floats
+    from ..models.errors import UndecidedError
+    from ..synthesis.rates import rates
+
+    plant = fleet.with_links(gains.links).plant()
+    shortest, longest = HORIZONS
+    try:
+        tail = rates(plant, gains.gains.map(floats), gains.excitation, tolerance.position, tolerance.heading).tail_time
+    except UndecidedError:
+        return longest
+    time = min(max(HORIZON_FACTOR * tail, shortest), longest)
+    unit = 10 ** (math.floor(math.log10(time)) - 1)
+    return float(unit * math.ceil(time / unit))
 
 
 def spec_of(
@@ -73,8 +99,16 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
     whole = ValidationResults(spec, results, validation.seed, disturbed)
     document = {**whole.to_json(), "versions": versions()}
     write_json(folder / "validation.json", document)
-    printer.say(*whole.sentences())
+    printer.say(*whole.sentences(), *_hint(results))
     return document
+
+
+def _hint(results: Sequence[StartResult]) -> list[str]:
+    """What to do where the horizon was too short."""
+    from ..verify.simulation.settling import Approach
+
+    closing = sum(str(Approach.CLOSING_IN) in (result.failure or "") for result in results)
+    return [f"{closing} of these are still closing in: give a longer --horizon to see them settle"] if closing else []
 
 
 def validation_exit_code(document: dict[str, Any]) -> int:

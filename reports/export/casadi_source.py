@@ -101,7 +101,8 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
         of_centre(robot["speed_scale"]),
         of_centre(robot["turn_rate_scale"]),
     )
-    gains = Gains(*(of_centre(robot[name]) for name in GAIN_NAMES), saturation=saturation)
+    own = {name: of_centre(robot[name]) for name in GAIN_NAMES}
+    gains = Gains(**own, saturation=saturation)
     left, right = control(casadi_ops(), plant, gains, excitation.value(casadi_ops(), inputs.t), state)
     return left[0], right[0]
 

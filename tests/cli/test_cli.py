@@ -14,12 +14,15 @@ import numpy as np
 import pytest
 from gaincert import __version__
 from gaincert.cli_app import app
+from gaincert.models.files.gains_file import GainsFile
+from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.models.tolerance import Tolerance
 from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import IntegrationError, Summary
 from gaincert.workflows.compare import variants_of
 from gaincert.workflows.design import DesignOptions
 from gaincert.workflows.simulate import sensitivity, sentence
+from gaincert.workflows.validate import default_horizon
 from typer.main import get_command
 
 from tests.cli.command_line import gaincert
@@ -331,3 +334,13 @@ def test_a_chaotic_run_is_called_sensitive_and_not_wrong() -> None:
     assert "sensitive" in " ".join(sensitivity(chaotic))
     assert "integration error below 1e-09 m" in sentence(calm)
     assert sensitivity(calm) == []
+
+
+def test_validate_runs_long_enough_to_see_the_fleet_settle() -> None:
+    """The paper's gains need some thousand seconds, which the old default of 300 s did not show."""
+    fleet = paper_fleet()
+    gains = GainsFile(paper_gains(), paper_excitation(), "paper")
+    horizon = default_horizon(fleet, gains, Tolerance())
+    assert 3000 < horizon <= 20_000
+    assert horizon == float(f"{horizon:.1e}")  # two digits: no processor changes it
+    assert default_horizon(fleet, gains, Tolerance(5.0, 3.0)) == 300
