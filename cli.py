@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import io
-import sys
-from contextlib import suppress
-
 from . import cli_options as cli
-from .cli_app import app, verb
-from .console import Outcome, Printer, flush
-from .models.errors import GaincertError, InputError, one_line
+from .cli_app import run_application, verb
+from .console import Outcome, Printer
+from .models.errors import InputError
 from .workflows.certify import as_json as certificate_json
 from .workflows.certify import certify_gains
 from .workflows.compare import compare_designs
@@ -26,8 +22,6 @@ from .workflows.validate import (
     validate_starts,
     validation_exit_code,
 )
-
-INTERRUPTED = 130  # the exit code
 
 
 @verb
@@ -250,29 +244,8 @@ def run(
 
 
 def main() -> None:
-    """The entry point: an expected failure is one message and an exit code, never a traceback."""
-    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a terminal may lack a character
-        sys.stdout.reconfigure(errors="backslashreplace")
-    try:
-        try:
-            app()
-        finally:
-            flush()
-    except GaincertError as error:
-        _complain(*str(error).split("\n"))
-        raise SystemExit(error.exit_code) from None
-    except OSError as error:
-        _complain(f"{error.filename or 'the system'}: {error.strerror or error}")
-        raise SystemExit(GaincertError.exit_code) from None
-    except SystemExit as leaving:
-        if leaving.code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt
-            sys.stderr.write("interrupted; every file that was finished is whole\n")
-        raise
-
-
-def _complain(*lines: str) -> None:
-    with suppress(OSError):  # where standard error takes nothing either, the exit code says it
-        sys.stderr.write("".join(f"error: {one_line(line)}\n" for line in lines))
+    """The command line."""
+    run_application()
 
 
 if __name__ == "__main__":

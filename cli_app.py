@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import inspect
+import io
 import sys
+import traceback
 from collections.abc import Callable
+from contextlib import suppress
 from functools import wraps
 from typing import Annotated, Any
 
@@ -12,7 +15,8 @@ import typer
 
 from . import __version__
 from .cli_options import Json, Quiet, Verbose
-from .console import Outcome, Printer
+from .console import Outcome, Printer, flush
+from .models.errors import FaultError, GaincertError, one_line, write_error
 
 app = typer.Typer(
     name="gaincert",
@@ -22,6 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
+INTERRUPTED = 130  # the exit code
 SWITCHES = {"json": Json, "quiet": Quiet, "verbose": Verbose}  # of every verb
 
 
@@ -60,3 +65,35 @@ def verb(function: Callable[..., Outcome]) -> Callable[..., None]:
     called.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     app.command()(called)
     return called
+
+
+def run_application() -> None:
+    """Run a command: an expected failure is one message and an exit code, and only a bug prints a traceback."""
+    if isinstance(sys.stdout, io.TextIOWrapper):  # the encoding of a terminal may lack a character
+        sys.stdout.reconfigure(errors="backslashreplace")
+    try:
+        try:
+            app()
+        finally:
+            flush()
+    except GaincertError as error:
+        _fail(error)
+    except OSError as error:
+        _fail(write_error(error.filename or "a file", error))
+    except MemoryError:
+        _fail(FaultError("no memory is left; use a machine with more, or fewer vehicles, starts or workers"))
+    except SystemExit as leaving:
+        if leaving.code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt
+            sys.stderr.write("interrupted; every file that was finished is whole\n")
+        raise
+    except Exception as error:  # a bug: never mistaken for a verdict
+        traceback.print_exc()
+        _fail(
+            FaultError(f"this is a fault of gaincert ({type(error).__name__}); please report it with the lines above")
+        )
+
+
+def _fail(error: GaincertError) -> None:
+    with suppress(OSError):  # where standard error takes nothing either, the exit code says it
+        sys.stderr.write("".join(f"error: {one_line(line)}\n" for line in str(error).split("\n")))
+    raise SystemExit(error.exit_code) from None

@@ -12,7 +12,7 @@ from copy import copy
 from dataclasses import dataclass
 from typing import Any
 
-from .models.errors import InputError, one_line
+from .models.errors import one_line, write_error
 from .models.warning_lines import show_warnings
 
 READER_LEFT = 141  # the exit code where nobody reads standard output any more, as a shell says it of SIGPIPE
@@ -87,7 +87,7 @@ class Printer:
 
 
 def flush() -> None:
-    """Hand over what was said. Raises InputError where standard output does not take it, which is then dropped."""
+    """Hand over what was said. Raises FaultError where standard output does not take it, which is then dropped."""
     try:
         with _output():
             sys.stdout.flush()
@@ -104,4 +104,4 @@ def _output() -> Iterator[None]:
     except (BrokenPipeError, SystemExit):  # rich makes an exit of the one
         raise SystemExit(READER_LEFT) from None
     except OSError as error:
-        raise InputError(f"standard output: cannot be written: {error.strerror}") from None
+        raise write_error("standard output", error) from None

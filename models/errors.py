@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import difflib
+import errno
 from collections.abc import Iterable
 from typing import Any
 
@@ -38,6 +39,22 @@ class UndecidedError(GaincertError):
     """A solver gave up or a time limit was reached before a verdict."""
 
     exit_code = 4
+
+
+class FaultError(GaincertError):
+    """The machine fails, not the input: a full disk, no memory."""
+
+    exit_code = 5
+
+
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM}  # what no other input would mend
+
+
+def write_error(what: object, error: OSError, remedy: str = "") -> GaincertError:
+    """The error of a place that cannot be written: a fault of the machine, or an input that names a wrong place."""
+    full = error.errno in FULL
+    kind, remedy = (FaultError, "free some space and try again") if full else (InputError, remedy)
+    return kind(f"{what}: cannot be written: {error.strerror or error}" + (f"; {remedy}" if remedy else ""))
 
 
 def last_line(error: Exception) -> str:

@@ -9,7 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import IO, Any
 
-from ..errors import InputError
+from ..errors import InputError, write_error
 
 
 def read_text(path: Path, max_bytes: int) -> str:
@@ -30,12 +30,12 @@ def read_text(path: Path, max_bytes: int) -> str:
 
 
 def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
-    """Let `write` fill a temporary file beside `path`, then rename it. Raises InputError where that cannot be done."""
+    """Let `write` fill a temporary file beside `path`, then rename it. Raises InputError or FaultError."""
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         handle, temporary = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     except OSError as error:
-        raise InputError(f"{path}: cannot be written: {error.strerror}; choose another output folder") from None
+        raise write_error(path, error, "choose another output folder") from None
     try:
         with os.fdopen(handle, "wb") as file:
             write(file)
@@ -44,9 +44,7 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
         Path(temporary).chmod(0o666 & ~_umask())
         Path(temporary).replace(path)
     except OSError as error:
-        raise InputError(
-            f"{path}: cannot be written: {error.strerror}; free some space or choose another folder"
-        ) from None
+        raise write_error(path, error, "choose another output folder") from None
     finally:
         Path(temporary).unlink(missing_ok=True)
     return path

@@ -527,7 +527,7 @@ def outputs() -> list[Bad]:
     def place(name: str, folder: str, says: str, **files: Make) -> Bad:
         return Bad(kind, name, (*command, "-o", folder), unwritable.format(re.escape(folder), says), files=files)
 
-    full = r"cannot be written: File too large; free some space"
+    full = r"cannot be written: File too large; free some space and try again"
     simulate = ("simulate", *GIVEN, "--horizon", "1")
     return [
         place("a file where DIR should be", "f", "File exists", f=""),
@@ -540,13 +540,13 @@ def outputs() -> list[Bad]:
             files={"out/certificate.json/x": ""}),
         Bad(kind, "init over a file", ("init", "fleet.toml"), r"fleet\.toml: is already there"),
         Bad(kind, "init into /proc", ("init", "/proc/fleet.toml"), r"/proc/fleet\.toml: cannot be written"),
-        Bad(kind, "full disk: certify", (*command, "-o", "out"), rf"certificate\.json: {full}", quota=500),
-        Bad(kind, "full disk: simulate", simulate, rf"trajectory\.npz: {full}", quota=500),
-        Bad(kind, "full disk: validate", VALIDATE, r"jsonl: cannot be written: File too large", quota=100),
-        Bad(kind, "full disk: export", ("export", "out", "--format", "csv"), full, files=certified_folder(), quota=100),
-        Bad(kind, "full disk: init", ("init", "new.toml"), rf"new\.toml: {full}", quota=100),
-        Bad(kind, "full disk: standard output", CHECK, r"standard output: .*No space left", stdout="/dev/full"),
-        Bad(kind, "full disk: JSON", (*CHECK, "--json", "-q"), r"output: .*No space left", stdout="/dev/full"),
+        Bad(kind, "full disk: certify", (*command, "-o", "out"), rf"certificate\.json: {full}", 5, quota=500),
+        Bad(kind, "full disk: simulate", simulate, rf"trajectory\.npz: {full}", 5, quota=500),
+        Bad(kind, "full disk: validate", VALIDATE, r"jsonl: cannot be written: File too large", 5, quota=100),
+        Bad(kind, "full disk: export", ("export", "out", "--format", "csv"), full, 5, certified_folder(), 100),
+        Bad(kind, "full disk: init", ("init", "new.toml"), rf"new\.toml: {full}", 5, quota=100),
+        Bad(kind, "full disk: standard output", CHECK, r"standard output: .*No space left", 5, stdout="/dev/full"),
+        Bad(kind, "full disk: JSON", (*CHECK, "--json", "-q"), r"output: .*No space left", 5, stdout="/dev/full"),
     ]  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ...models.errors import InputError
+from ...models.errors import GaincertError, InputError, write_error
 from .start_result import StartResult
 
 
@@ -30,11 +30,11 @@ class ResultsFile:
             self._file.truncate(whole)
             self._file.seek(whole)
         except OSError as error:
-            raise InputError(f"{self.path}: cannot be written: {error.strerror}; choose another folder") from None
+            raise write_error(self.path, error, "choose another folder") from None
         if not whole:
             try:
                 self._line(specification)
-            except InputError:
+            except GaincertError:
                 self.path.unlink()
                 raise
 
@@ -66,9 +66,7 @@ class ResultsFile:
             while left:  # not buffered: what a killed process has written stays; a power cut may lose some starts
                 left = left[self._file.write(left) :]
         except OSError as error:
-            raise InputError(
-                f"{self.path}: cannot be written: {error.strerror}; free some space and run again: it goes on from here"
-            ) from None
+            raise write_error(self.path, error, "choose another folder") from None
 
     def __enter__(self) -> ResultsFile:
         return self
