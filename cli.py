@@ -9,8 +9,8 @@ from .models.errors import InputError
 from .workflows.certify import as_json as certificate_json
 from .workflows.certify import certify_gains
 from .workflows.compare import compare_designs
-from .workflows.design import DesignOptions, design_gains, write_design
-from .workflows.inputs import DisturbanceOptions, StartOptions, Starts, read_fleet, read_gains, tolerance_of
+from .workflows.design import DesignOptions, design_fleet
+from .workflows.inputs import DisturbanceOptions, StartOptions, Starts, digests_of, read_fleet, read_gains, tolerance_of
 from .workflows.prove import prove_claims, theorem_holds
 from .workflows.run import run as run_pipeline
 from .workflows.simulate import Simulation, simulate_schemes
@@ -87,11 +87,11 @@ def design(
     options = DesignOptions(
         mode, conditions, excitation, weights, seed, digits, time_limit, tolerance_of(tolerance), box
     )
-    designed = design_gains(printer, fleet, options)
-    document = write_design(printer, designed, folder)
+    designed = design_fleet(printer, fleet, options, folder)
+    document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
     if compare or against is not None:
-        document["compared"] = compare_designs(printer, designed, options, folder, compare, against)
-    return Outcome(document)
+        document["compared"] = compare_designs(printer, designed.design, options, folder, compare, against)
+    return Outcome.of(document, true=designed.certificate.valid)
 
 
 @verb
@@ -141,8 +141,8 @@ def simulate(
     chosen = read_gains(gains, fleet)
     disturbance = DisturbanceOptions(sample_time=sample_time).of(fleet, seed)
     simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbance)
-    summary = simulate_schemes(printer, fleet, chosen, simulation, folder)
-    return Outcome.of(summary, true=not summary["violations"])
+    simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
+    return Outcome.of(simulated.document, true=not simulated.false_claims)
 
 
 @verb
@@ -176,14 +176,14 @@ def validate(
     count = starts if replay is None else max(starts, replay + 1)
     drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
-    spec = spec_of(fleet, chosen, drawn, end, settled, integrator)
+    spec, digests = spec_of(fleet, chosen, drawn, end, settled, integrator), digests_of(fleet, chosen)
     if replay is not None:
-        document = replay_start(printer, Validation(spec, drawn.states, seed), replay, folder)
+        document = replay_start(printer, Validation(spec, digests, drawn.states, seed), replay, folder)
         return Outcome.of(document, true=document["same"] is not False)
     disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
     random_seed = None if starts_file else seed
     validation = Validation(
-        spec, drawn.states, random_seed, disturbance, largest_sample_time, workers=workers, scheduler=scheduler
+        spec, digests, drawn.states, random_seed, disturbance, largest_sample_time, workers=workers, scheduler=scheduler
     )
     document = validate_starts(printer, fleet, validation, folder)
     return Outcome(document, validation_exit_code(document))

@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-import json
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -13,6 +11,7 @@ from typing import Any
 from .. import __version__
 from ..models.arrays import Array
 from ..models.conditions import exact_numbers, torque_bound
+from ..models.digests import Digests, gains_digest
 from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.files.fleet_file import load_fleet
@@ -21,8 +20,7 @@ from ..models.files.gains_file import load_gains
 from ..models.files.text import write_text
 from ..models.fleet import Fleet
 from ..models.fleet_tables import Harmonics, Links, SquareWave
-from ..models.gains import GAIN_NAMES, Gains
-from ..models.numbers import decimal_text
+from ..models.gains import Gains
 from .versions import versions
 
 FLEET_COPY = "fleet_copy.toml"  # not fleet.toml: a fleet file of the user's own may lie in the same folder
@@ -47,21 +45,9 @@ class Deployment:
         return torque_bound(exact_numbers(), self.fleet.condition_data(self.excitation), self.gains)
 
     @cached_property
-    def gains_digest(self) -> str:
-        """SHA-256 of all that the controller computes with: gains, scales, psi, links, robots and the leader's pose."""
-        gains = {name: [decimal_text(value) for value in getattr(self.gains, name)] for name in GAIN_NAMES}
-        columns = self.gains.saturation.columns(len(self.fleet))
-        scales = {name: [decimal_text(Fraction(value)) for value in column] for name, column in columns.items()}
-        leader = self.fleet.leader.model_dump(mode="json")
-        content = {
-            "fleet": self.fleet.content(),
-            "leader": leader,
-            "gains": gains,
-            "saturation": scales,
-            "excitation": self.excitation.table(),
-        }
-        text = json.dumps(content, sort_keys=True, separators=(",", ":"))
-        return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+    def digests(self) -> Digests:
+        """What every file made from it carries."""
+        return Digests(self.fleet_digest, gains_digest(self.fleet, self.excitation, self.gains))
 
     @cached_property
     def evidence(self) -> dict[str, str]:
@@ -69,8 +55,7 @@ class Deployment:
         return {
             "gaincert": __version__,
             "casadi": versions()["casadi"],
-            "fleet_digest": self.fleet_digest,
-            "gains_digest": self.gains_digest,
+            **self.digests.to_json(),
             "certificate_digest": self.certificate_digest or "none",
             "conditions": self.conditions or "none",
         }
@@ -98,7 +83,7 @@ def load_deployment(folder: Path, fleet: Fleet) -> Deployment:
         raise InputError(f"{folder}: holds neither design.json nor certificate.json; run gaincert design or certify")
     designed = _designed(design, fleet) if design.is_file() else None
     certified = _certified(certificate, fleet) if certificate.is_file() else None
-    if designed and certified and designed.gains_digest != certified.gains_digest:
+    if designed and certified and designed.digests != certified.digests:
         raise InputError(
             f"{certificate}: is not of the gains in design.json; "
             f"run gaincert certify FLEET.toml --gains {design} -o {folder}"

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
+from ..models.digests import gains_digest
 from ..models.gains import GAIN_NAMES
 from ..models.numbers import decimal_text
 from .design import Design
@@ -39,6 +40,7 @@ class DesignFile:
 
     fleet: str
     fleet_digest: str
+    gains_digest: str
     conditions: str
     theorem: str
     excitation: dict[str, Any]  # the [excitation] table of a fleet file
@@ -69,6 +71,7 @@ class DesignFile:
         return cls(
             fleet=design.fleet.name,
             fleet_digest=design.fleet.digest,
+            gains_digest=gains_digest(design.used_fleet, design.excitation, design.gains),
             conditions=design.conditions.name,
             theorem=design.conditions.theorem,
             excitation=design.excitation.table(),

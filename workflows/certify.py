@@ -18,14 +18,17 @@ def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: 
     from ..verify.certificates.certify import certify
 
     certificate = certify(fleet, gains.excitation, gains.gains, conditions, links=gains.links)
+    path = folder / "certificate.json"
     if certificate.valid:
-        certificate.write(folder / "certificate.json")
+        certificate.write(path)
         write_fleet_copy(fleet, folder)
-        printer.say(f"certificate: {folder / 'certificate.json'}")
+        printer.say(f"certificate: {path}")
     else:
         broken = certificate.violations or (certificate.verdict,)
         printer.say("not certified:", *map(str, broken))
-    printer.say(*(f"note: {note}" for note in certificate.notes))
+        if path.is_file():
+            printer.say(f"{path} is older and of other gains or conditions")
+    printer.detail(*(f"note: {note}" for note in certificate.notes))
     return certificate
 
 

@@ -7,8 +7,8 @@ from itertools import product
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .design import DesignOptions, design_gains, write_design
-from .inputs import StartOptions, Starts, read_gains
+from .design import DesignOptions, design_gains, gains_of, write_design
+from .inputs import StartOptions, Starts, digests_of, read_gains
 from .validate import Validation, spec_of, validate_starts
 
 if TYPE_CHECKING:
@@ -35,7 +35,9 @@ def compare_designs(
     def measure(gains: GainsFile, place: Path) -> None:
         starts = Starts.of(fleet, StartOptions(COMPARED_STARTS, None, design.seed, options.box))
         spec = spec_of(fleet, gains, starts, COMPARED_HORIZON, design.tolerance)
-        validate_starts(printer.silent(), fleet, Validation(spec, starts.states, design.seed), place)
+        validate_starts(
+            printer.silent(), fleet, Validation(spec, digests_of(fleet, gains), starts.states, design.seed), place
+        )
 
     measure(gains_of(design), folder)
     if against is not None:
@@ -49,13 +51,6 @@ def compare_designs(
     rows = design_rows(folder)
     printer.say(f"from the same {COMPARED_STARTS} starts, up to {COMPARED_HORIZON:g} s:", for_terminal(rows))
     return as_json(rows)
-
-
-def gains_of(design: Design) -> GainsFile:
-    """The gains of a design, as if they had been read from its file."""
-    from ..models.files.gains_file import GainsFile
-
-    return GainsFile(design.gains, design.excitation, design.conditions.name, design.links)
 
 
 def variants_of(fleet: Fleet, design: Design, options: DesignOptions) -> list[DesignOptions]:

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .certify import certify_gains
+
 if TYPE_CHECKING:
     from ..console import Printer
+    from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
     from ..synthesis.design import Design
+    from ..verify.certificates.certify import Certificate
 
 
 @dataclass(frozen=True)
@@ -27,6 +31,15 @@ class DesignOptions:
     time_limit: float  # s
     tolerance: Tolerance
     box: float | None  # m
+
+
+@dataclass(frozen=True)
+class Designed:
+    """What `design` came to."""
+
+    design: Design
+    document: dict[str, Any]  # the content of design.json
+    certificate: Certificate
 
 
 def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions) -> Design:
@@ -54,6 +67,26 @@ def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, An
     printer.say(for_terminal(table), *sentences(design))
     printer.detail(f"wrote {folder / 'design.json'} and {folder / 'gains.csv'}")
     return dict(document)
+
+
+def design_fleet(printer: Printer, fleet: Fleet, options: DesignOptions, folder: Path) -> Designed:
+    """Design, write design.json, gains.csv and certificate.json, and name older results that are of other gains."""
+    from ..models.digests import Digests
+    from ..reports.results import say_stale, stale_files
+
+    design = design_gains(printer, fleet, options)
+    document = write_design(printer, design, folder)
+    certificate = certify_gains(printer, fleet, gains_of(design), design.conditions.name, folder)
+    if stale := stale_files(folder, Digests.of_json(document)):
+        printer.say(f"note: {say_stale(stale)}")
+    return Designed(design, document, certificate)
+
+
+def gains_of(design: Design) -> GainsFile:
+    """The gains of a design, as if they had been read from its file."""
+    from ..models.files.gains_file import GainsFile
+
+    return GainsFile(design.gains, design.excitation, design.conditions.name, design.links)
 
 
 def sentences(design: Design) -> list[str]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
+    from ..models.digests import Digests
     from ..models.equations import State
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
@@ -30,6 +31,13 @@ def read_gains(path: Path, fleet: Fleet) -> GainsFile:
     from ..models.files.gains_file import load_gains
 
     return load_gains(path, fleet)
+
+
+def digests_of(fleet: Fleet, gains: GainsFile) -> Digests:
+    """The digests of what is simulated, validated or certified."""
+    from ..models.digests import Digests
+
+    return Digests.of(fleet, fleet.with_links(gains.links), gains.excitation, gains.gains)
 
 
 def tolerance_of(pair: tuple[float, float]) -> Tolerance:

@@ -20,12 +20,10 @@ def prove_claims(printer: Printer, fleet: Fleet | None, folder: Path | None, *, 
     """Check all claims, and write the proof report into the folder if there is one; `brief` lists no claims."""
     from ..reports.figures.witnesses import write_witness_figures
     from ..reports.proof.documents import write_documents
-    from ..verify.proof import prove, theorem_proved
+    from ..verify.proof import prove
 
-    claims = prove(fleet)
-    counts = ", ".join(f"{number} {name}" for name, number in sorted(Counter(c.status.name for c in claims).items()))
-    proved = "is proved" if theorem_proved(claims) else "is NOT proved"
-    printer.say(f"proof check: {len(claims)} claims, {counts}; the corrected theorem {proved}")
+    claims = list(prove(fleet))
+    printer.say(sentence(claims))
     for claim in claims:
         if printer.verbose or (claim.status.name in FALSE_OR_OPEN and not brief):
             printer.say(f"  {claim.status.name:9} {claim.source}: {claim.reason}")
@@ -33,7 +31,19 @@ def prove_claims(printer: Printer, fleet: Fleet | None, folder: Path | None, *, 
         write_documents(claims, folder)
         write_witness_figures(folder / "figures")
         printer.say(f"proof report: {folder / 'proof.html'}")
-    return list(claims)
+    return claims
+
+
+def sentence(claims: Sequence[Claim]) -> str:
+    """The verdict, and whose statements are false."""
+    counts = Counter(claim.status.name for claim in claims)
+    proved = "proved" if theorem_holds(claims) else "NOT proved"
+    undecided = f", {counts['OPEN']} open" if counts["OPEN"] else ""
+    return (
+        f"the corrected theorem is {proved}: {len(claims)} claims checked, {counts['PROVED']} proved, "
+        f"{counts['CITED']} cited{undecided}; of the statements that the paper prints {counts['REFUTED']} are "
+        f"refuted and {counts['CORRECTED']} corrected"
+    )
 
 
 def theorem_holds(claims: Sequence[Claim]) -> bool:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .inputs import digests_of
+
 if TYPE_CHECKING:
     from ..console import Printer
     from ..models.files.gains_file import GainsFile
@@ -29,37 +31,42 @@ class Simulation:
     disturbance: Disturbance | None = None
 
 
+@dataclass(frozen=True)
+class Simulated:
+    """What `simulate` came to."""
+
+    summary: Summary  # of the first scheme; of its disturbed run where there is a disturbance
+    document: dict[str, Any]  # the content of summary.json
+
+    @property
+    def false_claims(self) -> list[str]:
+        """Broken promises of the theorem, and a torque above its limit, which the unbounded scheme does not prevent."""
+        summary = self.summary
+        over = summary.peak_torque_ratio > 1 and not summary.violations
+        peak = f"the largest wheel torque is {summary.peak_torque_ratio:.3g} times its limit"
+        return [*summary.violations, *([peak] if over else [])]
+
+
 def simulate_schemes(
     printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation, folder: Path
-) -> dict[str, Any]:
-    """Simulate the schemes and write all files; the content of summary.json."""
-    from ..models.files.text import write_json
-    from ..reports.deployment import write_fleet_copy
-    from ..reports.figures.run_figures import write_figures
-    from ..reports.versions import versions
-    from ..verify.simulation.settling import Approach
+) -> Simulated:
+    """Simulate the schemes, write all files and say what happened."""
     from ..verify.simulation.simulate import summarize
 
-    scheme = simulation.schemes[0]
+    scheme, disturbance = simulation.schemes[0], simulation.disturbance
     runs = _runs(printer, fleet, gains, simulation)
+    drawn = {f"{name} scheme": run for name, run in runs.items()}
     first = stored = runs[scheme]
     summary = summarize(fleet, first, simulation.tolerance, with_error=True)
-    drawn = {f"{name} scheme": run for name, run in runs.items()}
-    printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *sensitivity(summary))
-    if not summary.settled and summary.approach is Approach.CLOSING_IN:
-        printer.say("give a longer --horizon to see it settle")
-    if simulation.disturbance is not None:
-        disturbance = simulation.disturbance
+    printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *hints(summary))
+    if disturbance is not None:
         summary, stored = _disturbed(fleet, first, disturbance, summary)
         drawn = {"with the disturbance": stored, **drawn}
         printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}")
-    record = {**summary.to_json(), "scheme": scheme, "fleet_digest": fleet.digest, "versions": versions()}
-    stored.write(folder / "trajectory.npz")
-    write_json(folder / "summary.json", record)
-    write_fleet_copy(fleet, folder)
-    write_figures(fleet, drawn, folder / "figures")
-    printer.say(*(f"FALSE: {claim}" for claim in false_claims(summary)), f"figures: {folder / 'figures'}")
-    return record
+    result = Simulated(summary, _document(fleet, gains, summary, scheme))
+    _write(fleet, stored, drawn, result.document, folder)
+    printer.say(*(f"FALSE: {claim}" for claim in result.false_claims), f"figures: {folder / 'figures'}")
+    return result
 
 
 def _runs(printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation) -> dict[str, Trajectory]:
@@ -99,6 +106,28 @@ def _disturbed(
     return SampledLoop(fleet, loop, disturbance, horizon, summary.tolerance).run(nominal.start, summary)
 
 
+def _document(fleet: Fleet, gains: GainsFile, summary: Summary, scheme: str) -> dict[str, Any]:
+    from ..reports.versions import versions
+
+    origin = digests_of(fleet, gains).to_json()
+    return {**summary.to_json(), "scheme": scheme, **origin, "versions": versions()}
+
+
+def _write(
+    fleet: Fleet, stored: Trajectory, drawn: dict[str, Trajectory], document: dict[str, Any], folder: Path
+) -> None:
+    from ..models.digests import Digests
+    from ..models.files.text import write_json
+    from ..reports.deployment import write_fleet_copy
+    from ..reports.figures.run_figures import write_figures
+
+    origin = Digests.of_json(document)
+    stored.write(folder / "trajectory.npz", origin.to_json())
+    write_json(folder / "summary.json", document)
+    write_fleet_copy(fleet, folder)
+    write_figures(fleet, drawn, folder / "figures", str(origin))
+
+
 def sentence(summary: Summary) -> str:
     """A summary for a reader."""
     settled = f"settles after {summary.settling_time:.1f} s"
@@ -111,20 +140,17 @@ def sentence(summary: Summary) -> str:
     )
 
 
-def false_claims(summary: Summary) -> list[str]:
-    """Broken promises of the theorem, and a torque above its limit, which the unbounded scheme does not prevent."""
-    peak = summary.peak_torque_ratio
-    over = [f"the largest wheel torque is {peak:.3g} times its limit"] if peak > 1 and not summary.violations else []
-    return [*summary.violations, *over]
+def hints(summary: Summary) -> list[str]:
+    """What a reader has to know of a chaotic run, and of one that was too short."""
+    from ..verify.simulation.settling import Approach
 
-
-def sensitivity(summary: Summary) -> list[str]:
-    """What a reader has to know of a chaotic run."""
-    error = summary.integration_error
-    if error is None or error.position < CHAOTIC:
-        return []
-    return [
-        f"this start is sensitive: two accurate integrations of it are up to {error.position:.1g} m apart on the way, "
-        "because rounding grows while the vehicles still turn fast. Both obey the same equations; times from many "
-        "starts (gaincert validate) mean more than the time from this one"
-    ]
+    error, found = summary.integration_error, []
+    if error is not None and error.position >= CHAOTIC:
+        found.append(
+            f"this start is sensitive: two accurate integrations of it are up to {error.position:.1g} m apart on the "
+            "way, because rounding grows while the vehicles still turn fast. Both obey the same equations; times from "
+            "many starts (gaincert validate) mean more than the time from this one"
+        )
+    if not summary.settled and summary.approach is Approach.CLOSING_IN:
+        found.append("give a longer --horizon to see it settle")
+    return found

@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from ..console import Printer
+    from ..models.digests import Digests
     from ..models.equations import State
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
@@ -26,6 +27,7 @@ class Validation:
     """What `validate` is to do."""
 
     spec: ValidationSpec
+    digests: Digests
     states: Sequence[State]
     seed: int | None  # of random starts, None for those of a file
     disturbance: Disturbance | None = None
@@ -97,7 +99,7 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
             progress=progress,
         )
     whole = ValidationResults(spec, results, validation.seed, disturbed)
-    document = {**whole.to_json(), "versions": versions()}
+    document = {**whole.to_json(), **validation.digests.to_json(), "versions": versions()}
     write_json(folder / "validation.json", document)
     printer.say(*whole.sentences(), *_hint(results))
     return document

@@ -50,6 +50,11 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
     return path
 
 
+def check_writable(folder: Path) -> None:
+    """Raise InputError or FaultError where no file can be written into a folder, which is made where it is missing."""
+    write_whole(folder / ".gaincert-can-write", lambda _file: None).unlink()
+
+
 def write_text(path: Path, text: str) -> Path:
     """Write UTF-8 text, whole or not at all."""
     return write_whole(path, lambda file: file.write(text.encode()))

@@ -25,7 +25,7 @@ POINTS = 1500  # drawn per line
 FLOOR = 1e-6  # of a logarithmic axis
 
 
-def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path) -> list[Path]:
+def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path, origin: str = "") -> list[Path]:
     """Paths, poses, cross-track errors, torques and energies of the runs (title -> run), one panel each. SVG, PNG."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
@@ -47,7 +47,7 @@ def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path) ->
                 panels[0].set_title(title)
                 draw(panels if rows > 1 else panels[0], fleet, run)
             _legend(figure, axes[0, 0])
-            written += save(figure, folder / name)
+            written += save(figure, folder / name, origin)
     return written
 
 

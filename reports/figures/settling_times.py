@@ -3,40 +3,41 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from ...verify.validation.spread import Spread
 from ..tables.designs_table import DesignRow
 from .style import COLOURS, LABEL, STYLE, plain, save
 
 BINS = 30
 
 
-def write_settling(validation: dict[str, Any], folder: Path) -> list[Path]:
-    """settling.svg and .png from validation.json: how many starts settle when, and how many do not."""
+def write_settling(times: Sequence[float | None], folder: Path, origin: str = "") -> list[Path]:
+    """settling.svg and .png: how many starts settle when, and how many do not (None)."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
-    times = validation["settling_time_s"]
-    each = np.array([math.inf if time is None else time for time in times["each"]], dtype=float)
+    each = np.array([math.inf if time is None else time for time in times], dtype=float)
+    spread = Spread.of(times)
     settled = each[np.isfinite(each)]
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.4, 3.6))
         axis = figure.subplots()
         if settled.size:
             axis.hist(settled, bins=min(BINS, max(5, settled.size // 4)), color=COLOURS[0], edgecolor="white", lw=0.4)
-        for key, name, high in (("median", "median", 0.97), ("p90", "90 %", 0.87)):
-            if times[key] is not None:
-                axis.axvline(times[key], color="k", lw=1, ls="--")
-                label = f"{name} {times[key]:.0f} s"
+        for time, name, high in ((spread.median, "median", 0.97), (spread.p90, "90 %", 0.87)):
+            if time is not None:
+                axis.axvline(time, color="k", lw=1, ls="--")
+                label = f"{name} {time:.0f} s"
                 place = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points", "xytext": (4, 0)}
-                axis.annotate(label, (times[key], high), va="top", bbox=LABEL, **place)
+                axis.annotate(label, (time, high), va="top", bbox=LABEL, **place)
         axis.set(xlabel="settling time / s", ylabel="starts", title=_title(len(settled), len(each)))
         axis.set_xlim(left=0)
         axis.yaxis.get_major_locator().set_params(integer=True)
-        return save(figure, folder / "settling")
+        return save(figure, folder / "settling", origin)
 
 
 def _title(settled: int, starts: int) -> str:

@@ -32,9 +32,9 @@ def shown_vehicles(count: int, most: int = DRAWN) -> list[int]:
     return sorted(set(np.linspace(0, count - 1, min(count, most)).astype(int).tolist()))
 
 
-def save(figure: Any, path: Path) -> list[Path]:
-    """Write a figure as SVG and PNG, the same bytes for the same data."""
-    metadata = {"svg": {"Date": None}, "png": {"Software": None}}
+def save(figure: Any, path: Path, origin: str = "") -> list[Path]:
+    """Write a figure as SVG and PNG, the same bytes for the same data; `origin` says what it belongs to."""
+    metadata = {"svg": {"Date": None, "Description": origin}, "png": {"Software": None, "Description": origin}}
     return [
         write_whole(
             path.with_suffix(f".{kind}"),
@@ -42,6 +42,12 @@ def save(figure: Any, path: Path) -> list[Path]:
         )
         for kind in ("svg", "png")
     ]
+
+
+def belongs(path: Path, origin: str) -> bool:
+    """Whether a figure (a path without its suffix) was written with this origin."""
+    files = [path.with_suffix(f".{kind}") for kind in ("svg", "png")]
+    return all(file.is_file() and origin.encode() in file.read_bytes() for file in files)
 
 
 def plain(name: str) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import io
+from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -15,9 +16,11 @@ from ...models.files.text import read_text, write_text
 from ...models.fleet import Fleet
 from ...verify.simulation.trajectory import Trajectory, read_trajectory
 from ..deployment import FLEET_COPY, Deployment, fleet_of_folder
+from ..figures.style import belongs
 from ..rendering import render, undefined_error
-from ..tables.conditions_table import condition_rows
-from ..tables.designs_table import HEADINGS, design_rows, read_json
+from ..results import ClaimResult, DesignResult, Results, current_digests, read_results, stale_files
+from ..tables.conditions_table import ConditionRow, condition_rows
+from ..tables.designs_table import HEADINGS, DesignRow, design_rows
 from ..tables.gain_table import COLUMNS, GainRow, rows
 from .animation import animation_data
 from .embed import figure_data, safe_mathml, script_hash
@@ -25,14 +28,13 @@ from .verdicts import (
     CERTIFIED,
     Verdict,
     certificate_verdict,
-    origin_verdict,
+    many_starts_verdict,
     proof_verdict,
-    simulation_verdicts,
-    validation_verdicts,
+    run_verdicts,
+    stale_verdict,
 )
 
 SHOWN = 200  # vehicles in the gain table of the report
-PARTS = ("design", "certificate", "summary", "validation", "proof")
 STATUSES = ("REFUTED", "CORRECTED", "OPEN", "PROVED", "CITED")
 CAPTIONS = {
     "figures/paths": "Paths; open dots are starts, filled dots ends, arrows headings (figures 3, 4 of the paper).",
@@ -46,19 +48,44 @@ CAPTIONS = {
     "figures/witness_bang_bang": "Witness: under a bounded push the turn rate grows without bound, though (15) holds.",
     "proof_graph": "What rests on what in the proof.",
 }
+OF_ANY = ("figures/designs", "figures/witness_energy", "figures/witness_bang_bang", "proof_graph")  # of no single gains
+
+
+@dataclass(frozen=True)
+class Page:
+    """All that the template shows."""
+
+    title: str
+    verdicts: list[Verdict]
+    design: DesignResult | None
+    rates: dict[str, Any]  # of the certificate
+    gains: list[tuple[GainRow, float]]  # and the share of the torque limit that is used, per cent
+    hidden: int  # vehicles that the gain table leaves out
+    conditions: list[ConditionRow]
+    designs: list[DesignRow]
+    design_headings: dict[str, str]
+    times: str  # measured by the design
+    animation: dict[str, Any] | None
+    missing_fleet: bool  # there is a run, and no fleet to draw it with
+    script: Any
+    script_hash: str
+    figures: list[dict[str, str]]
+    groups: list[dict[str, Any]]  # claims by status
+    evidence: dict[str, str]
+    versions: dict[str, str]
 
 
 def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
-    """Write DIR/report.html from the files in DIR. Raises InputError where nothing of ours lies there.
+    """Write DIR/report.html from the files in DIR that belong together. Raises InputError where there are none.
 
     The fleet is read from the file that is given, else from the folder's copy; without either there is no animation.
     """
-    found = {name: read_json(folder / f"{name}.json") for name in PARTS}
-    if not any(found.values()):
-        raise InputError(f"{folder}: holds no {', '.join(f'{name}.json' for name in PARTS)} to report on")
+    results = read_results(folder)
+    if results.empty:
+        raise InputError(f"{folder}: holds no results to report on; run gaincert design, certify, simulate or prove")
     fleet = fleet_of_folder(folder, fleet_path) if fleet_path or (folder / FLEET_COPY).is_file() else None
     try:
-        page = render("report.html", **_contents(folder, found, fleet))
+        page = render("report.html", **vars(_page(results, fleet)))
     except (*_MALFORMED, undefined_error()) as error:
         raise InputError(
             f"{folder}: a file in it is not of this version ({type(error).__name__}: {error}); write it again"
@@ -69,50 +96,53 @@ def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
 _MALFORMED = (LookupError, TypeError, ValueError, AttributeError, ArithmeticError, RecursionError, csv.Error)
 
 
-def _contents(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> dict[str, Any]:
-    """All that the template shows."""
-    claims = found["proof"] or []
+def _page(results: Results, fleet: Fleet | None) -> Page:
+    folder = results.folder
     certified, deployed = certificate_verdict(folder, fleet)
-    run = _trajectory_of(folder, fleet)
-    draw_figures(folder, found["validation"], fleet, run)
-    gains = _gain_rows(folder, deployed)
-    script = _script()
-    return {
-        "title": _title(folder, found, fleet),
-        "design": found["design"],
-        "rates": _rates(found["certificate"], certified),
-        "verdicts": [
-            *origin_verdict(found, fleet),
+    current = deployed.digests if deployed else current_digests(folder)
+    stale = stale_files(folder, current) if current else []
+    results = results.without(stale)
+    run = None if "trajectory.npz" in stale else _trajectory_of(folder, fleet)
+    draw_figures(results, fleet, run, str(current or ""))
+    gains, script = _gain_rows(folder, deployed), _script()
+    origins = (results.design, results.run, results.many_starts)
+    return Page(
+        title=_title(results, fleet),
+        verdicts=[
             *certified,
-            *simulation_verdicts(found["summary"]),
-            *validation_verdicts(found["validation"]),
-            *proof_verdict(claims),
+            *stale_verdict(stale),
+            *run_verdicts(results.run),
+            *many_starts_verdict(results.many_starts),
+            *proof_verdict(results.claims),
         ],
-        "gains": [(row, _share(row)) for row in gains[:SHOWN]],
-        "hidden": max(0, len(gains) - SHOWN),
-        "conditions": condition_rows(deployed) if deployed else [],
-        "designs": design_rows(folder),
-        "design_headings": HEADINGS,
-        "times": _times(found["design"]),
-        "animation": animation_data(fleet, run) if fleet and run else None,
-        "missing_fleet": fleet is None and (folder / "trajectory.npz").is_file(),
-        "script": script,
-        "script_hash": script_hash(script),
-        "figures": _figures(folder),
-        "groups": _groups(claims),
-        "evidence": deployed.evidence if deployed else {},
-        "summary": found["summary"] or {},
-        "versions": next((c["versions"] for c in (found["design"], found["summary"]) if c and "versions" in c), {}),
-    }
+        design=results.design,
+        rates=_rates(results.certificate, certified),
+        gains=[(row, _share(row)) for row in gains[:SHOWN]],
+        hidden=max(0, len(gains) - SHOWN),
+        conditions=condition_rows(deployed) if deployed else [],
+        designs=design_rows(folder),
+        design_headings=HEADINGS,
+        times=_times(results.design),
+        animation=animation_data(fleet, run) if fleet and run else None,
+        missing_fleet=fleet is None and (folder / "trajectory.npz").is_file(),
+        script=script,
+        script_hash=script_hash(script),
+        figures=_figures(folder, str(current or "")),
+        groups=_groups(results.claims),
+        evidence=deployed.evidence if deployed else {},
+        versions=next((part.versions for part in origins if part and part.versions), {}),
+    )
 
 
-def _title(folder: Path, found: dict[str, Any], fleet: Fleet | None) -> str:
-    return str(fleet.name if fleet else (found["design"] or {}).get("fleet", folder.resolve().name))
+def _title(results: Results, fleet: Fleet | None) -> str:
+    if fleet:
+        return fleet.name
+    return results.design.fleet if results.design else results.folder.resolve().name
 
 
-def _rates(certificate: Any, verdicts: list[Verdict]) -> dict[str, Any]:
+def _rates(certificate: dict[str, Any] | None, verdicts: list[Verdict]) -> dict[str, Any]:
     """The certified rates, of a certificate that the kernel has just accepted and of no other."""
-    if any(verdict.good and verdict.title == CERTIFIED for verdict in verdicts):
+    if certificate and any(verdict.good and verdict.title == CERTIFIED for verdict in verdicts):
         return dict(certificate["rates"])
     return {"gamma_omega": None, "gamma_v": None}
 
@@ -125,18 +155,18 @@ def _trajectory_of(folder: Path, fleet: Fleet | None) -> Trajectory | None:
     return run if matches else None
 
 
-def draw_figures(folder: Path, validation: Any, fleet: Fleet | None, run: Trajectory | None) -> None:
-    """The figures that need more than one verb's files, and those of a run that is there without them."""
+def draw_figures(results: Results, fleet: Fleet | None, run: Trajectory | None, origin: str) -> None:
+    """The figures that need more than one verb's files, and those of a run that has none of its own."""
     from ..figures.run_figures import write_figures
     from ..figures.settling_times import write_designs, write_settling
 
-    figures = folder / "figures"
-    if validation:
-        write_settling(validation, figures)
-    if designs := design_rows(folder):
+    figures = results.folder / "figures"
+    if results.many_starts:
+        write_settling(results.many_starts.settling_time_s.each, figures, origin)
+    if designs := design_rows(results.folder):
         write_designs(designs, figures)
-    if fleet and run and not (figures / "paths.svg").is_file():
-        write_figures(fleet, {"simulation": run}, figures)
+    if fleet and run and not belongs(figures / "paths", origin):
+        write_figures(fleet, {"simulation": run}, figures, origin)
 
 
 def _gain_rows(folder: Path, deployed: Deployment | None) -> list[GainRow]:
@@ -156,32 +186,34 @@ def _share(row: GainRow) -> float:
     return round(100 * float(row.torque_bound) / float(row.torque_limit), 1)
 
 
-def _times(design: dict[str, Any] | None) -> str:
-    times = design["measured_settling_s"] if design else []
+def _times(design: DesignResult | None) -> str:
+    times = design.measured_settling_s if design else []
     return ", ".join("not settled" if time is None else f"{time:.0f} s" for time in times)
 
 
-def _figures(folder: Path) -> list[dict[str, str]]:
-    data = figure_data([folder / name for name in CAPTIONS])
+def _figures(folder: Path, origin: str) -> list[dict[str, str]]:
+    """The figures that belong to the rest."""
+    shown = {name: caption for name, caption in CAPTIONS.items() if name in OF_ANY or belongs(folder / name, origin)}
+    data = figure_data([folder / name for name in shown])
     return [
         {"name": name.rpartition("/")[2], "caption": caption, "data": content}
-        for (name, caption), content in zip(CAPTIONS.items(), data, strict=True)
+        for (name, caption), content in zip(shown.items(), data, strict=True)
         if content
     ]
 
 
-def _groups(claims: list[dict[str, Any]]) -> list[dict[str, Any]]:
+def _groups(claims: list[ClaimResult]) -> list[dict[str, Any]]:
     """The claims by status, what is false first, with their formulas as markup that can be nothing else."""
     groups = []
     for status in STATUSES:
-        members = [claim for claim in claims if claim["status"] == status]
+        members = [claim for claim in claims if claim.status == status]
         if members:
-            groups.append({"status": status, "claims": [{**claim, "typeset": _typeset(claim)} for claim in members]})
+            groups.append({"status": status, "claims": [(claim, _typeset(claim)) for claim in members]})
     return groups
 
 
-def _typeset(claim: dict[str, Any]) -> dict[str, Any]:
-    return {name: safe_mathml(text) for name, text in claim.get("mathml", {}).items()}
+def _typeset(claim: ClaimResult) -> dict[str, Any]:
+    return {name: safe_mathml(text) for name, text in claim.mathml.items()}
 
 
 @cache

@@ -1,24 +1,28 @@
-"""The verdicts that head the report: what is true of the files in a folder, and what is not."""
+"""The tiles that head the report: what is true of the files in a folder, of which run, and what is not."""
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from ...models.errors import InputError
 from ...models.fleet import Fleet
+from ...verify.simulation.disturbance import Disturbance
 from ..deployment import Deployment, load_deployment
+from ..results import ClaimResult, ManyStartsResult, RunResult, SpreadResult, say_stale
 
 CERTIFIED = "Certified"
 
 
 class Verdict(NamedTuple):
-    """One line of the summary."""
+    """One tile."""
 
     good: bool
     title: str
     text: str
-    facts: tuple[str, ...] = ()
+    facts: tuple[str, ...] = ()  # details that can be opened
+    heading: str = "what is proved"  # of the details
 
 
 def certificate_verdict(folder: Path, fleet: Fleet | None) -> tuple[list[Verdict], Deployment | None]:
@@ -45,69 +49,85 @@ def _kernel(path: Path) -> Verdict:
         verdict = verify(path)
     except InputError as error:
         return Verdict(False, "Not a certificate", str(error))
-    return Verdict(
-        verdict.valid, CERTIFIED if verdict.valid else "Certificate not valid", str(verdict.reason), verdict.theorem
-    )
+    title = CERTIFIED if verdict.valid else "Certificate not valid"
+    return Verdict(verdict.valid, title, str(verdict.reason), verdict.theorem)
 
 
-def simulation_verdicts(summary: dict[str, Any] | None) -> list[Verdict]:
-    """Settling and torques of the simulation."""
-    if not summary:
+def stale_verdict(names: list[str]) -> list[Verdict]:
+    """A warning that names what is left out of the report."""
+    return [Verdict(False, "Left out of this report", say_stale(names))] if names else []
+
+
+def run_verdicts(run: RunResult | None) -> list[Verdict]:
+    """Settling and torques of the run from the fleet's own start: nominal, then with the disturbance."""
+    if run is None:
         return []
-    settled, peak = summary["settling_time_s"] is not None, float(summary["peak_torque_ratio"])
+    if run.nominal is None:
+        return _of_run(run, f"nominal run, {run.scheme} scheme")
+    words = f"with the disturbance: {in_words(run.disturbance)}"
+    return [*_of_run(run.nominal, f"nominal run, {run.scheme} scheme"), *_of_run(run, words)]
+
+
+def _of_run(run: RunResult, which: str) -> list[Verdict]:
+    settled, peak = run.settling_time_s is not None, run.peak_torque_ratio
     title = "Torques within their limits" if peak <= 1 else "Torque limit exceeded"
-    scheme = f" ({summary['scheme']} scheme)" if "scheme" in summary else ""
     return [
-        Verdict(settled, "Settles" if settled else "Does not settle", _settling_text(summary) + scheme),
-        Verdict(peak <= 1, title, f"largest torque {100 * peak:.2f} % of its limit in the simulation{scheme}"),
+        Verdict(settled, "Settles" if settled else "Does not settle", f"{which}: {_settling_text(run)}"),
+        Verdict(peak <= 1, title, f"{which}: largest torque {100 * peak:.2f} % of its limit"),
     ]
 
 
-def _settling_text(summary: dict[str, Any]) -> str:
-    tolerance = summary["tolerance"]
-    within = f"{tolerance['position_m']:g} m and {tolerance['heading_rad']:g} rad"
-    horizon = f"{summary['horizon_s']:g} s"
-    if summary["settling_time_s"] is None:
-        errors = f"{summary['final_position_error_m']:.3g} m and {summary['final_heading_error_rad']:.3g} rad"
-        return f"after {horizon} the largest errors are {errors}; wanted: {within}"
-    return f"within {within} after {summary['settling_time_s']:.1f} s, to the end of the run at {horizon}"
+def _settling_text(run: RunResult) -> str:
+    tolerance = run.tolerance
+    within = f"{tolerance.position_m:g} m and {tolerance.heading_rad:g} rad"
+    if run.settling_time_s is None:
+        errors = f"{run.final_position_error_m:.3g} m and {run.final_heading_error_rad:.3g} rad"
+        approach = f" and {run.approach}" if run.approach else ""
+        return f"not settled within {run.horizon_s:g} s{approach}; errors {errors} at the end, wanted {within}"
+    return f"within {within} after {run.settling_time_s:.1f} s, to the end of the run at {run.horizon_s:g} s"
 
 
-def validation_verdicts(validation: dict[str, Any] | None) -> list[Verdict]:
-    """How many starts settle."""
-    if not validation:
+def many_starts_verdict(result: ManyStartsResult | None) -> list[Verdict]:
+    """How many starts settle: nominal, and under each disturbance."""
+    if result is None:
         return []
-    settled, starts, times = validation["settled"], validation["starts"], validation["settling_time_s"]
-    said = {key: "not settled" if times[key] is None else f"{times[key]:.4g} s" for key in ("median", "p90", "max")}
-    text = f"{settled} of {starts} starts settle: median {said['median']}, 90 % by {said['p90']}, last {said['max']}"
-    return [Verdict(settled == starts, "Many starts", text)]
+    count = result.starts
+    horizon = f" within {result.horizon_s:g} s" if result.horizon_s else ""
+    text = f"nominal: {result.settled} of {count} settle{horizon} ({_spread_text(result.settling_time_s)})"
+    facts = [
+        f"{in_words(runs.disturbance)}: {runs.settled} of {count} settle ({_spread_text(runs.settling_time_s)}), "
+        f"largest torque {100 * runs.peak_torque_ratio:.1f} % of its limit"
+        for runs in result.disturbed
+    ]
+    worst = min((runs.settled for runs in result.disturbed), default=count)
+    within = all(runs.peak_torque_ratio <= 1 for runs in result.disturbed)
+    if result.disturbed:
+        text += f"; with disturbances: {worst} of {count} at the worst"
+    if result.largest_sample_time_s is not None:
+        text += f"; all settle with torques held for up to {1000 * result.largest_sample_time_s:.3g} ms"
+    good = result.settled == count == worst and within
+    return [Verdict(good, "Many starts", text, tuple(facts), "each disturbance")]
 
 
-def proof_verdict(claims: list[dict[str, Any]]) -> list[Verdict]:
-    """Whether the corrected theorem is proved."""
+def _spread_text(spread: SpreadResult) -> str:
+    times = {"median": spread.median, "90 % by": spread.p90, "last": spread.max}
+    return ", ".join(f"{name} {'not settled' if time is None else f'{time:.4g} s'}" for name, time in times.items())
+
+
+def in_words(said: dict[str, Any] | None) -> str:
+    """A disturbance of a JSON file, for a reader. Raises TypeError where it is none."""
+    return Disturbance(**(said or {})).in_words()
+
+
+def proof_verdict(claims: list[ClaimResult]) -> list[Verdict]:
+    """Whether the corrected theorem is proved, and what that says of the paper."""
     if not claims:
         return []
-    counts: dict[str, int] = {}
-    for claim in claims:
-        counts[claim["status"]] = counts.get(claim["status"], 0) + 1
-    theorem = next((claim for claim in claims if claim["id"] == "theorem"), None)
-    proved = theorem is not None and theorem["status"] == "PROVED"
-    text = f"{len(claims)} claims: " + ", ".join(
-        f"{count} {status.lower()}" for status, count in sorted(counts.items())
+    counts = Counter(claim.status for claim in claims)
+    proved = any(claim.id == "theorem" and claim.status == "PROVED" for claim in claims)
+    false = f"{counts['REFUTED']} are refuted and {counts['CORRECTED']} corrected"
+    text = (
+        f"{len(claims)} claims checked: {counts['PROVED']} proved, {counts['CITED']} cited, {counts['OPEN']} open; "
+        f"of the paper's printed statements {false}"
     )
     return [Verdict(proved, "The corrected theorem is " + ("proved" if proved else "not proved"), text)]
-
-
-def origin_verdict(found: dict[str, Any], fleet: Fleet | None) -> list[Verdict]:
-    """A warning where the files are of different fleets."""
-    digests = {name: content["fleet_digest"] for name, content in found.items() if _has_digest(content)}
-    if fleet is not None:
-        digests["the fleet file"] = fleet.digest
-    if len(set(digests.values())) < 2:
-        return []
-    text = "; ".join(f"{name} {digest[:18]}" for name, digest in digests.items())
-    return [Verdict(False, "The files are of different fleets", f"{text}; write them again")]
-
-
-def _has_digest(content: Any) -> bool:
-    return isinstance(content, dict) and isinstance(content.get("fleet_digest"), str)

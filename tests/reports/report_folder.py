@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 from typing import Any
 
+from gaincert.models.digests import Digests
 from gaincert.models.files.text import write_json
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES
@@ -46,16 +47,17 @@ def renamed(names: tuple[str, ...], title: str) -> Fleet:
 def fill(folder: Path, fleet: Fleet, horizon: float = 30.0) -> Path:
     """Write what the report reads; psi is the paper's."""
     gains, excitation = paper_gains(), paper_excitation()
+    digests = Digests.of(fleet, fleet, excitation, gains)
     certify(fleet, excitation, gains, "paper").write(folder / "certificate.json")
     write_csv(folder / "gains.csv", rows(fleet, excitation, gains))
     write_fleet_copy(fleet, folder)
-    write_json(folder / "design.json", design(fleet))
+    write_json(folder / "design.json", {**design(fleet), **digests.to_json()})
     run = simulate(fleet, gains, excitation, horizon=horizon)
-    run.write(folder / "trajectory.npz")
-    write_figures(fleet, {"bounded scheme": run}, folder / "figures")
-    origin = {"scheme": "bounded", "fleet_digest": fleet.digest, "versions": {"gaincert": "<b>0</b>"}}
+    run.write(folder / "trajectory.npz", digests.to_json())
+    write_figures(fleet, {"bounded scheme": run}, folder / "figures", str(digests))
+    origin = {"scheme": "bounded", **digests.to_json(), "versions": {"gaincert": "<b>0</b>"}}
     write_json(folder / "summary.json", {**summarize(fleet, run).to_json(), **origin})
-    write_json(folder / "validation.json", validation())
+    write_json(folder / "validation.json", {**validation(), **digests.to_json()})
     write_json(folder / "proof.json", CLAIMS)
     return folder
 
@@ -64,7 +66,6 @@ def design(fleet: Fleet) -> dict[str, Any]:
     """A design.json."""
     return {
         "fleet": fleet.name,
-        "fleet_digest": fleet.digest,
         "conditions": "paper",
         "excitation": paper_excitation().table(),
         "excitation_designed": False,

@@ -222,7 +222,7 @@ def test_csv_has_its_origin_and_no_formula(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["vehicle"] for row in rows] == [no_formula(name) for name in HOSTILE]
     assert rows[4]["vehicle"] == "'=1+1"
-    assert {row["gains_digest"] for row in rows} == {deployed.gains_digest}
+    assert {row["gains_digest"] for row in rows} == {deployed.digests.gains}
     assert rows[0]["p_v"] == "56"
 
 
@@ -282,7 +282,7 @@ def test_ros2_parameters_load_with_the_types_that_ros_wants():
     assert first["wheel_separation"] == 0.6
     assert first["neighbours"] == [1, 5]
     assert first["neighbour_namespaces"] == ["v2", "v6"]
-    assert first["gains_digest"] == deployed.gains_digest
+    assert first["gains_digest"] == deployed.digests.gains
     for i, node in enumerate(content.values()):
         parameters = node["ros__parameters"]
         assert parameters["vehicle"] == i
@@ -342,7 +342,7 @@ def test_the_node_commands_what_the_library_says_and_nothing_on_old_poses(node, 
     path = tmp_path / "controller.so"
     with pytest.raises(ValueError, match="export both again"):
         node.Library(path, "sha256:0", 6)
-    library = node.Library(path, deployed.gains_digest, 6)
+    library = node.Library(path, deployed.digests.gains, 6)
     assert library.neighbours(0) == [1, 5]
     assert library.torque_limit(2) == 160
     state, known = draw_state(6), node.FleetState(6)

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...models.arrays import Array, column, floats
 from ...models.conditions import ConditionData, Inequality, condition_set, exact_numbers
+from ...models.digests import gains_digest
 from ...models.errors import InputError
 from ...models.excitation import Excitation
 from ...models.files.text import read_text, write_text
@@ -113,7 +114,12 @@ def certify(
         "forest": witness.forest(used.graph),
         "margins": {name: [_stated(margin) for margin in entries] for name, entries in margins.items()},
         "rates": NO_RATES if broken else _rates(used, gains),
-        "provenance": {"seed": seed, "versions": _versions(), "notes": notes},
+        "provenance": {
+            "seed": seed,
+            "gains_digest": gains_digest(used, excitation, gains),
+            "versions": _versions(),
+            "notes": notes,
+        },
     }
     verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else _self_check(content)
     if verdict.rule == "rates":  # rates are welcome, not needed: the rounding of a float must not cost the rest

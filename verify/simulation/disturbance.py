@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -34,8 +35,25 @@ class Disturbance:
         return {name: value for name, value in vars(self).items() if value}
 
     def in_words(self) -> str:
-        """The entries that are not zero, for a reader."""
-        return ", ".join(f"{name} {value}" for name, value in self.to_json().items() if name != "seed")
+        """The same for a reader."""
+        widths = ((self.noise_position, "m"), (self.noise_heading, "rad"), (self.noise_speed, "m/s and rad/s"))
+        friction = ((self.coulomb, "N m"), (self.viscous, "N m s"))
+        said = [f"torques held for {1000 * self.sample_time:g} ms"]
+        if self.delay:
+            said.append(f"{1000 * self.delay:g} ms of delay")
+        if noise := _quantities(widths):
+            said.append(f"noise of {noise}")
+        if self.mismatch:
+            said.append(f"parameters off by up to {100 * self.mismatch:g} %")
+        if wheel := _quantities(friction):
+            said.append(f"friction of {wheel} at every wheel")
+        if self.lost_link:
+            said.append(f"the link {' - '.join(self.lost_link)} lost at {self.lost_at:g} s")
+        return ", ".join(said)
+
+
+def _quantities(pairs: Iterable[tuple[float, str]]) -> str:
+    return ", ".join(f"{value:g} {unit}" for value, unit in pairs if value)
 
 
 def of_table(table: DisturbanceTable | None, seed: int = 0) -> Disturbance:

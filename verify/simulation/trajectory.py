@@ -5,6 +5,7 @@ from __future__ import annotations
 import struct
 import zipfile
 import zlib
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from tokenize import TokenError
@@ -51,11 +52,21 @@ class Trajectory:
             raise ValueError("this trajectory was read from a file or disturbed; only one of simulate can be refined")
         return self.integrator
 
-    def write(self, path: Path) -> None:
-        """trajectory.npz, written whole or not at all."""
+    def write(self, path: Path, labels: Mapping[str, str] | None = None) -> None:
+        """trajectory.npz, written whole or not at all; `labels` are texts beside the arrays, as digests."""
         torques = {"tau_left": self.tau_left, "tau_right": self.tau_right}
         arrays: dict[str, Any] = {**self.state._asdict(), **torques, "V": self.V, "W": self.W}
+        arrays |= {name: np.array(text) for name, text in (labels or {}).items()}
         write_whole(path, lambda file: np.savez_compressed(file, t=self.t, **arrays))
+
+
+def read_labels(path: Path, names: Iterable[str]) -> dict[str, str]:
+    """The labels of these names in a trajectory.npz; those that it has not are left out. Raises InputError."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            return {name: str(stored[name]) for name in names if name in stored}
+    except _UNREADABLE as error:
+        raise InputError(f"{path}: is no trajectory.npz ({error}); simulate again") from None
 
 
 def read_trajectory(path: Path) -> Trajectory:

@@ -1,0 +1,55 @@
+"""The digests that tie the files of a folder together: of the fleet, and of all that its controller computes with."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import Any, NamedTuple
+
+from .excitation import Excitation
+from .fleet import Fleet
+from .gains import GAIN_NAMES, Gains
+from .numbers import decimal_text
+
+KEYS = ("fleet_digest", "gains_digest")  # of the entries of JSON files
+
+
+class Digests(NamedTuple):
+    """What a file belongs to."""
+
+    fleet: str  # of the fleet file's content: no leader's pose, starts or disturbance
+    gains: str  # of gains, scales, psi, links, robots and the leader's pose
+
+    @classmethod
+    def of(cls, fleet: Fleet, used: Fleet, excitation: Excitation, gains: Gains) -> Digests:
+        """The digests of a fleet, and of the gains that are used with these links and psi."""
+        return cls(fleet.digest, gains_digest(used, excitation, gains))
+
+    @classmethod
+    def of_json(cls, content: Mapping[str, Any]) -> Digests:
+        """The digests that a file carries; an empty text where it carries none."""
+        return cls(*(str(content.get(key) or "") for key in KEYS))
+
+    def __str__(self) -> str:
+        """For the metadata of a figure."""
+        return f"fleet {self.fleet}, gains {self.gains}"
+
+    def to_json(self) -> dict[str, str]:
+        """Entries that every JSON file of a folder has."""
+        return dict(zip(KEYS, self, strict=True))
+
+
+def gains_digest(used: Fleet, excitation: Excitation, gains: Gains) -> str:
+    """SHA-256 of all that the controller computes with: gains, scales, psi, links, robots and the leader's pose."""
+    scales = gains.saturation.columns(len(used))
+    content: dict[str, Any] = {
+        "fleet": used.content(),
+        "leader": used.leader.model_dump(mode="json"),
+        "gains": {name: [decimal_text(value) for value in getattr(gains, name)] for name in GAIN_NAMES},
+        "saturation": {name: [decimal_text(Fraction(value)) for value in column] for name, column in scales.items()},
+        "excitation": excitation.table(),
+    }
+    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
+    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
