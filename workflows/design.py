@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .certify import certify_gains
+from .inputs import check_folder
 
 if TYPE_CHECKING:
     from ..console import Printer
@@ -74,6 +75,7 @@ def design_fleet(printer: Printer, fleet: Fleet, options: DesignOptions, folder:
     from ..models.digests import Digests
     from ..reports.results import say_stale, stale_files
 
+    check_folder(folder)
     design = design_gains(printer, fleet, options)
     document = write_design(printer, design, folder)
     certificate = certify_gains(printer, fleet, gains_of(design), design.conditions.name, folder)

@@ -33,6 +33,13 @@ def read_gains(path: Path, fleet: Fleet) -> GainsFile:
     return load_gains(path, fleet)
 
 
+def check_folder(folder: Path) -> None:
+    """Refuse a folder that cannot be written before the work begins. Raises InputError or FaultError."""
+    from ..models.files.text import check_writable
+
+    check_writable(folder)
+
+
 def digests_of(fleet: Fleet, gains: GainsFile) -> Digests:
     """The digests of what is simulated, validated or certified."""
     from ..models.digests import Digests

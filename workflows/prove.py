@@ -6,6 +6,8 @@ from collections import Counter
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from .inputs import check_folder
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -22,6 +24,8 @@ def prove_claims(printer: Printer, fleet: Fleet | None, folder: Path | None, *, 
     from ..reports.proof.documents import write_documents
     from ..verify.proof import prove
 
+    if folder is not None:
+        check_folder(folder)
     claims = list(prove(fleet))
     printer.say(sentence(claims))
     for claim in claims:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .inputs import digests_of
+from .inputs import check_folder, digests_of
 
 if TYPE_CHECKING:
     from ..console import Printer
@@ -54,6 +54,7 @@ def simulate_schemes(
     from ..verify.simulation.simulate import summarize
 
     scheme, disturbance = simulation.schemes[0], simulation.disturbance
+    check_folder(folder)
     runs = _runs(printer, fleet, gains, simulation)
     drawn = {f"{name} scheme": run for name, run in runs.items()}
     first = stored = runs[scheme]

@@ -6,6 +6,7 @@ import json
 import os
 import tempfile
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import IO, Any
 
@@ -51,8 +52,14 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise InputError or FaultError where no file can be written into a folder, which is made where it is missing."""
-    write_whole(folder / ".gaincert-can-write", lambda _file: None).unlink()
+    """Raise InputError or FaultError where no file can be written into a folder; nothing of the try is left."""
+    missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    try:
+        write_whole(folder / ".gaincert-try", lambda _file: None).unlink()
+    finally:
+        for path in missing:
+            with suppress(OSError):  # it was not made, or somebody else uses it
+                path.rmdir()
 
 
 def write_text(path: Path, text: str) -> Path:

@@ -1,0 +1,135 @@
+"""What verbs do together: they fail before the work, leave what belongs together, and end with the right exit code."""
+
+import json
+from pathlib import Path
+
+import pytest
+from gaincert.models.files.templates import template_text
+from gaincert.reports.deployment import load_deployment
+from gaincert.reports.results import current_digests, stale_files
+from gaincert.synthesis import design as design_module
+from gaincert.synthesis.settings import MODES
+from gaincert.verify import proof
+from gaincert.workflows.inputs import read_fleet
+
+from tests.cli.command_line import Done, gaincert
+
+ROOT = Path(__file__).parents[2]
+PAPER = (ROOT / "examples" / "paper.toml", "--gains", ROOT / "examples" / "paper_gains.toml")
+UNCHECKED = "the work began before the folder was looked at"
+
+
+def stop(*_: object, **_options: object) -> None:
+    raise AssertionError(UNCHECKED)
+
+
+@pytest.fixture(scope="module")
+def designed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
+    """One robot designed, and the words that were printed."""
+    folder = tmp_path_factory.mktemp("designed")
+    (folder / "fleet.toml").write_text(template_text("line", 1))
+    done = gaincert("design", "fleet.toml", "-o", "out", "--conditions", "corrected", cwd=folder)
+    assert done.returncode == 0, done.stderr
+    return folder, done
+
+
+# -- fail before the work ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("verb", ["design", "run", "simulate", "prove"])
+def test_a_folder_that_cannot_be_written_is_refused_before_the_work(
+    verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("")
+    for place, name in ((design_module, "prepare"), (proof, "prove")):
+        monkeypatch.setattr(place, name, stop)
+    monkeypatch.setattr("gaincert.verify.simulation.simulate.simulate", stop)
+    arguments = {"prove": (), "simulate": PAPER}.get(verb, PAPER[:1])
+    done = gaincert(verb, *arguments, "-o", tmp_path / "file" / "out")
+    assert done.returncode == 2
+    assert "cannot be written" in done.stderr
+    assert UNCHECKED not in done.stderr
+
+
+def test_trying_a_folder_leaves_nothing(tmp_path: Path) -> None:
+    done = gaincert("design", PAPER[0], "-o", tmp_path / "a" / "b", "--excitation", "given")
+    assert done.returncode == 2
+    assert list(tmp_path.iterdir()) == []
+
+
+# -- what belongs together ---------------------------------------------------------------------------------------------
+
+
+def test_a_design_is_certified(designed: tuple[Path, Done]) -> None:
+    folder, done = designed
+    assert f"certificate: {Path('out') / 'certificate.json'}" in done.stdout
+    fleet = read_fleet(folder / "fleet.toml")
+    deployed = load_deployment(folder / "out", fleet)
+    assert deployed.certificate_digest is not None
+    assert deployed.digests == current_digests(folder / "out")
+    assert stale_files(folder / "out", deployed.digests) == []
+
+
+def test_every_file_of_a_run_carries_the_digests_of_fleet_and_gains(designed: tuple[Path, Done]) -> None:
+    folder, _ = designed
+    for verb, options in (("simulate", ("--horizon", 5)), ("validate", ("--starts", 1, "--horizon", 5))):
+        done = gaincert(
+            verb, "fleet.toml", "--gains", "out/design.json", "-o", "out", *options, "--json", "-q", cwd=folder
+        )
+        assert done.returncode == 0, done.stderr
+    expected = current_digests(folder / "out")
+    for name in ("design", "summary", "validation"):
+        content = json.loads((folder / "out" / f"{name}.json").read_text())
+        assert (content["fleet_digest"], content["gains_digest"]) == expected
+    for path in (folder / "out" / "figures").iterdir():
+        assert expected.gains.encode() in path.read_bytes(), path
+    assert stale_files(folder / "out", expected) == []
+
+
+def test_a_design_into_a_folder_with_older_runs_says_so(designed: tuple[Path, Done], tmp_path: Path) -> None:
+    folder, _ = designed
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("summary", "validation"):
+        (out / f"{name}.json").write_text(json.dumps({"fleet_digest": "sha256:a", "gains_digest": "sha256:b"}))
+    done = gaincert("design", folder / "fleet.toml", "-o", out, "--conditions", "corrected", "--digits", 3)
+    assert done.returncode == 0, done.stderr
+    line = "note: summary.json, validation.json are of other gains or another fleet: run gaincert simulate, "
+    assert line + "gaincert validate again" in done.stdout
+
+
+# -- exit codes and words ----------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("scheme", "code"), [("bounded", 0), ("unbounded", 1)])
+def test_a_torque_above_its_limit_is_false_for_both_schemes(scheme: str, code: int, tmp_path: Path) -> None:
+    done = gaincert("simulate", *PAPER, "--scheme", scheme, "--horizon", 5, "-o", tmp_path)
+    assert done.returncode == code
+    assert ("FALSE: the largest wheel torque is 7.5" in done.stdout) == (code == 1)
+
+
+def test_a_bug_is_a_fault_and_no_verdict(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise KeyError("x")
+
+    monkeypatch.setattr("gaincert.cli.read_fleet", broken)
+    done = gaincert("check", PAPER[0])
+    assert done.returncode == 5
+    assert "error: this is a fault of gaincert (KeyError)" in done.stderr
+    assert "Traceback" in done.stderr
+
+
+def test_no_memory_is_a_fault_without_a_traceback(monkeypatch: pytest.MonkeyPatch) -> None:
+    def broken(*_: object) -> None:
+        raise MemoryError
+
+    monkeypatch.setattr("gaincert.cli.read_fleet", broken)
+    done = gaincert("check", PAPER[0])
+    assert done.returncode == 5
+    assert "Traceback" not in done.stderr
+
+
+def test_the_modes_are_those_of_the_search() -> None:
+    from gaincert.cli_options import Mode
+
+    assert {mode.value for mode in Mode} == set(MODES)
