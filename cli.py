@@ -46,11 +46,9 @@ def init(
 @verb
 def check(printer: Printer, *, fleet_path: cli.FleetPath) -> Outcome:
     """Say what is in a fleet file, or all that is wrong with it."""
-    from .reports.tables.fleet_summary import fleet_summary
+    from .workflows.check import check_fleet
 
-    summary = fleet_summary(read_fleet(fleet_path))
-    printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
-    return Outcome(summary)
+    return Outcome(check_fleet(printer, fleet_path))
 
 
 @verb

@@ -12,6 +12,7 @@ from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.graph import Graph
 from ...models.numbers import Interval
+from ...models.vehicle_notes import centre_of_mass_note
 
 CUTS_UP_TO = 14  # vehicles for which all 2^N - 1 cuts are counted
 NAMED = 10  # vehicles that a note lists by name
@@ -19,7 +20,13 @@ NAMED = 10  # vehicles that a note lists by name
 
 def notes_of(fleet: Fleet, limits: ConditionData, gains: Gains, conditions: str) -> list[str]:
     """The notes, one sentence each."""
-    return [*_strict_damping(fleet, limits, gains, conditions), *_cuts(fleet, limits, gains), *_robustness(fleet)]
+    off_axle = centre_of_mass_note(fleet)
+    return [
+        *_strict_damping(fleet, limits, gains, conditions),
+        *_cuts(fleet, limits, gains),
+        *_robustness(fleet),
+        *([off_axle] if off_axle else []),
+    ]
 
 
 def broken_cuts(graph: Graph, strength: Array) -> tuple[int, int]:

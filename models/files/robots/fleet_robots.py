@@ -15,7 +15,7 @@ _STAND_IN = dict.fromkeys(("mass", "inertia", "half_track", "wheel_radius", "tor
 
 
 class Robot(NamedTuple):
-    """The description of one vehicle, and the keys in which the fleet file overrules it."""
+    """The description of one vehicle, and the keys and limits in which the fleet file overrules it."""
 
     description: RobotDescription
     given: frozenset[str]
@@ -44,7 +44,8 @@ def with_robots(
     for vehicle in vehicles:
         robots.append(None)
         if isinstance(vehicle, dict) and "urdf" in vehicle:
-            given = frozenset(vehicle) - {"urdf", "name"}
+            limits = vehicle.get("limits")
+            given = frozenset(vehicle).union(limits if isinstance(limits, dict) else ()) - {"urdf", "name"}
             description = None
             try:
                 source = _source(vehicle)

@@ -1,0 +1,30 @@
+"""`check`: what is in a fleet file, what every robot is taken to be, and what may surprise."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from ..console import Printer
+
+
+def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
+    """Print the summary of a fleet file and return it, as JSON. Raises InputError with all that is wrong."""
+    from ..models.files.fleet_file import load_fleet_file
+    from ..models.vehicle_notes import centre_of_mass_note, heading_hint
+    from ..reports.tables.fleet_summary import fleet_summary
+    from ..reports.tables.robot_table import SHOWN, robot_summaries
+
+    read = load_fleet_file(path)
+    summary, robots = fleet_summary(read.fleet), robot_summaries(read)
+    hints = (heading_hint(vehicle, read.fleet.leader) for vehicle in read.fleet.vehicles)
+    notes = list(filter(None, (centre_of_mass_note(read.fleet), *hints)))
+    printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
+    for robot in robots[:SHOWN]:
+        printer.say("", *robot.lines())
+    if len(robots) > SHOWN:
+        printer.say("", f"{len(robots) - SHOWN} more robots; --json lists them")
+    warnings = dict.fromkeys(line for robot in robots for line in robot.warnings)
+    printer.say(*(f"warning: {line}" for line in warnings), *(f"note: {note}" for note in notes))
+    return {**summary, "robots": [robot.to_json() for robot in robots], "notes": notes}
