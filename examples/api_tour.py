@@ -10,15 +10,16 @@ from gaincert.models.conditions import exact_numbers, torque_bound
 from gaincert.models.errors import InputError
 from gaincert.models.files.text import write_json
 from gaincert.reports.deployment import write_fleet_copy
+from gaincert.synthesis.settings import FAST, Settings
 from gaincert.verify.simulation.simulate import summarize
 
 
-def tour(folder: Path) -> None:
-    """Design, certify, simulate, prove, report and export the line of TurtleBots."""
+def tour(folder: Path, settings: Settings = FAST) -> None:
+    """Design, certify, simulate, prove, report and export the line of TurtleBots; `settings` limit the search."""
     fleet = load_fleet(Path(__file__).parent / "turtlebot3_line.toml")
     print(f"{fleet.name}: {len(fleet)} vehicles, {fleet.graph.edges} links, {fleet.digest[:14]}...")
 
-    made = design(fleet, conditions="corrected")
+    made = design(fleet, conditions="corrected", settings=settings)
     print("p_v / N:", ", ".join(f"{float(p):g}" for p in made.gains.p_v), "found by the", made.origin)
     print("psi is bounded by", float(made.excitation.bound))
 

@@ -13,21 +13,23 @@ from gaincert.verify.simulation.simulate import simulate
 from scipy.integrate import solve_ivp
 
 EXAMPLES = Path(__file__).parent.parent
+BEGIN, END = 10_000, 15_000  # s, where the two are compared
+
 fleet = load_fleet(EXAMPLES / "paper.toml")
 paper = load_gains(EXAMPLES / "paper_gains.toml", fleet)
 plant = fleet.plant()
 
-run = simulate(fleet, paper.gains, paper.excitation, horizon=20_000)
+run = simulate(fleet, paper.gains, paper.excitation, horizon=END)
 aside = np.array([-np.sin(plant.leader_theta), np.cos(plant.leader_theta)])
 errors = np.stack([run.state.x - plant.offset_x - plant.leader_x, run.state.y - plant.offset_y - plant.leader_y])
 across = np.tensordot(aside, errors, 1)
 
-begin = np.searchsorted(run.t, 10_000)
+begin = np.searchsorted(run.t, BEGIN)
 flow = CrossTrack(plant, paper.gains.map(floats), paper.excitation).flow
-averaged = solve_ivp(lambda _, y: -flow(y), (10_000, 20_000), across[begin], "LSODA", np.linspace(10_000, 20_000, 50))
+averaged = solve_ivp(lambda _, y: -flow(y), (BEGIN, END), across[begin], "LSODA", np.linspace(BEGIN, END, 50))
 
 simulated, predicted = np.abs(across[-1]).max(), np.abs(averaged.y[:, -1]).max()
-print(f"largest cross-track error at 20000 s: simulated {simulated:.3f} m, averaged flow {predicted:.3f} m")
+print(f"largest cross-track error at {END} s: simulated {simulated:.3f} m, averaged flow {predicted:.3f} m")
 plt.loglog(run.t[::100], np.abs(across).max(axis=1)[::100], label="simulation")
 plt.loglog(averaged.t, np.abs(averaged.y).max(axis=0), "k--", label="averaged flow")
 plt.gca().set(xlabel="time / s", ylabel="largest cross-track error / m")
