@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 from ...models.errors import InputError
-from ...models.files.fleet_file import MAX_CSV_BYTES
+from ...models.files.fleet_file import MAX_CSV_BYTES, FleetFile
 from ...models.files.text import read_text, write_text
 from ...models.fleet import Fleet
+from ...models.vehicle_notes import centre_of_mass_note
 from ...verify.simulation.trajectory import Trajectory, read_trajectory
 from ..deployment import FLEET_COPY, Deployment, fleet_of_folder
 from ..figures.style import belongs
@@ -22,6 +23,7 @@ from ..results import ClaimResult, DesignResult, Results, current_digests, read_
 from ..tables.conditions_table import ConditionRow, condition_rows
 from ..tables.designs_table import HEADINGS, DesignRow, design_rows
 from ..tables.gain_table import COLUMNS, GainRow, rows
+from ..tables.robot_table import RobotSummary, robot_summaries
 from .animation import animation_data
 from .embed import figure_data, safe_mathml, script_hash
 from .verdicts import (
@@ -64,6 +66,8 @@ class Page:
     conditions: list[ConditionRow]
     designs: list[DesignRow]
     design_headings: dict[str, str]
+    robots: list[RobotSummary]
+    robot_note: str | None  # on centres of mass
     times: str  # measured by the design
     animation: dict[str, Any] | None
     missing_fleet: bool  # there is a run, and no fleet to draw it with
@@ -122,6 +126,8 @@ def _page(results: Results, fleet: Fleet | None) -> Page:
         conditions=condition_rows(deployed) if deployed else [],
         designs=design_rows(folder),
         design_headings=HEADINGS,
+        robots=robot_summaries(FleetFile(fleet, ()))[:SHOWN] if fleet else [],
+        robot_note=centre_of_mass_note(fleet) if fleet else None,
         times=_times(results.design),
         animation=animation_data(fleet, run) if fleet and run else None,
         missing_fleet=fleet is None and (folder / "trajectory.npz").is_file(),

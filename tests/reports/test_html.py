@@ -15,8 +15,10 @@ import numpy as np
 import pytest
 from gaincert.models.equations import State
 from gaincert.models.errors import InputError
+from gaincert.models.files.fleet_file import parse
+from gaincert.models.files.text import write_json
 from gaincert.models.paper import paper_fleet
-from gaincert.reports.deployment import load_deployment
+from gaincert.reports.deployment import load_deployment, write_fleet_copy
 from gaincert.reports.escapes import script_json
 from gaincert.reports.figures.movie import write_movie
 from gaincert.reports.html.animation import ANGLE, RATIO, animation_data, frame_indices
@@ -26,7 +28,7 @@ from gaincert.reports.tables.conditions_table import condition_rows
 from gaincert.reports.tables.designs_table import design_rows
 from gaincert.verify.simulation.trajectory import Trajectory, read_trajectory
 
-from tests.reports.report_folder import ATTACKS
+from tests.reports.report_folder import ATTACKS, CLAIMS
 
 ROOT = Path(__file__).parents[2]
 MOST_BYTES = 5_000_000
@@ -258,3 +260,16 @@ def test_an_mp4_is_written(folder, monkeypatch):
     monkeypatch.setitem(movie.FRAMES, "mp4", 5)
     path = write_movie(folder, "mp4", None, lambda _what, _fraction: None)
     assert path.read_bytes()[4:8] == b"ftyp"
+
+
+def test_the_report_says_what_every_robot_is_taken_to_be(tmp_path):
+    """With the wheels' own inertia, and with the note on a centre of mass that (2) does not know."""
+    content = paper_fleet().model_dump(by_alias=True)
+    content["vehicle"][0].update(wheel_inertia="0.005", com_offset=["-0.1", 0])
+    fleet = parse(content)
+    write_fleet_copy(fleet, tmp_path)
+    write_json(tmp_path / "proof.json", CLAIMS)
+    text = html.unescape(write_report(tmp_path).read_text())
+    assert "effective mass 14 kg" in text  # 10 + 2 * 0.005 / 0.05^2
+    assert "v3, v4" in text
+    assert "the centre of mass is off the middle of the axle: 'v1' 10 cm behind" in text

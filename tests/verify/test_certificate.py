@@ -348,3 +348,13 @@ def test_a_hundred_thousand_vehicles_are_certified_and_verified_within_a_minute(
     assert found["valid"]
     assert found["certify_s"] + found["write_s"] + found["verify_s"] < 60
     assert max(found["certify_GB"], found["verify_GB"]) < 4
+
+
+def test_a_centre_of_mass_off_the_axle_is_a_note() -> None:
+    """(2) does not know it, so the certificate is the same, and says so beside it."""
+    content = paper_fleet().model_dump(by_alias=True)
+    content["vehicle"][0]["com_offset"] = ["-0.1", 0]
+    off = certify(parse(content), paper_excitation(), paper_gains(), "paper")
+    assert off.valid and off.content["fleet"] == paper("paper").content["fleet"]
+    assert any(note.startswith("the centre of mass is off the middle of the axle: 'v1' 10 cm") for note in off.notes)
+    assert not any("centre of mass" in note for note in paper("paper").notes)
