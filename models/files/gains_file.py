@@ -142,7 +142,7 @@ def _gains(path: Path, content: _Content, fleet: Fleet) -> Gains:
             return column([])
         return column(_positive(path, name, fleet.names, entries, mistakes))
 
-    gains = [numbers(name, content.gains.get(name)) for name in GAIN_NAMES]
+    gains = {name: numbers(name, content.gains.get(name)) for name in GAIN_NAMES}
     if fleet.saturation is not None and not content.saturation and not fleet.saturation.scales.unit:
         mistakes.append(
             f"{path}: has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"
@@ -157,7 +157,7 @@ def _gains(path: Path, content: _Content, fleet: Fleet) -> Gains:
     if mistakes:
         raise InputError(*mistakes)
     network = {name: scales[name][0] for name in ("position", "heading") if name in scales}
-    return Gains(*gains, Saturation(**{**scales, **network}))
+    return Gains(**gains, saturation=Saturation(**{**scales, **network}))
 
 
 def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], mistakes: list[str]) -> list[Fraction]:
