@@ -10,9 +10,19 @@ from .workflows.certify import as_json as certificate_json
 from .workflows.certify import certify_gains
 from .workflows.compare import compare_designs
 from .workflows.design import DesignOptions, design_fleet
-from .workflows.inputs import DisturbanceOptions, StartOptions, Starts, digests_of, read_fleet, read_gains, tolerance_of
+from .workflows.inputs import (
+    DisturbanceOptions,
+    StartOptions,
+    Starts,
+    conditions_of,
+    digests_of,
+    read_fleet,
+    read_gains,
+    tolerance_of,
+)
+from .workflows.obstacles import say_obstacles
 from .workflows.prove import prove_claims, theorem_holds
-from .workflows.run import run as run_pipeline
+from .workflows.run import Pipeline
 from .workflows.simulate import Simulation, simulate_schemes
 from .workflows.validate import (
     Validation,
@@ -89,6 +99,7 @@ def design(
     document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
     if compare or against is not None:
         document["compared"] = compare_designs(printer, designed.design, options, folder, compare, against)
+    say_obstacles(printer, designed.obstacles)
     return Outcome.of(document, true=designed.certificate.valid)
 
 
@@ -104,7 +115,7 @@ def certify(
     """Certify gains, whoever chose them."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
-    name = conditions.value if conditions else chosen.conditions or "paper"
+    name = conditions_of(conditions, chosen)
     certificate = certify_gains(printer, fleet, chosen, name, folder)
     return Outcome.of(certificate_json(certificate, name, folder), true=certificate.valid)
 
@@ -222,8 +233,9 @@ def run(
     *,
     fleet_path: cli.FleetPath,
     folder: cli.Folder,
+    gains: cli.GivenGains = None,
     mode: cli.ModeOption = cli.Mode.fast,
-    conditions: cli.ConditionsOption = cli.Conditions.paper,
+    conditions: cli.CertifiedConditions = None,
     excitation: cli.ExcitationOption = None,
     weights: cli.WeightsOption = cli.Source.given,
     seed: cli.Seed = 0,
@@ -235,10 +247,15 @@ def run(
 ) -> Outcome:
     """Design, certify, prove, simulate, report: all in one."""
     fleet, settled = read_fleet(fleet_path), tolerance_of(tolerance)
-    options = DesignOptions(mode, conditions, excitation, weights, seed, digits, time_limit, settled, box)
+    wanted = conditions or cli.Conditions.paper
+    options = DesignOptions(mode, wanted, excitation, weights, seed, digits, time_limit, settled, box)
     disturbance = DisturbanceOptions().of(fleet, seed)
     simulation = Simulation(tuple(cli.Scheme), horizon, settled, disturbance=disturbance)
-    return run_pipeline(printer, fleet, options, simulation, folder)
+    pipeline = Pipeline(printer, fleet, simulation, folder)
+    if gains is None:
+        return pipeline.run(options)
+    chosen = read_gains(gains, fleet)
+    return pipeline.run_given(chosen, conditions_of(conditions, chosen))
 
 
 def main() -> None:

@@ -92,6 +92,9 @@ ResultFolder = Annotated[Path, typer.Argument(metavar="DIR", help="a folder that
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the folder that the files are written to")]
 ProofFolder = Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report here")]
 GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
+GivenGains = Annotated[
+    Path | None, typer.Option("--gains", help="take these gains (design.json, gains.csv or gains.toml), design none")
+]
 FolderFleet = Annotated[
     Path | None, typer.Option("--fleet", metavar="FLEET.toml", help="the fleet file [default: its copy in DIR]")
 ]

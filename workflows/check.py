@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .obstacles import say_obstacles
+
 if TYPE_CHECKING:
     from ..console import Printer
 
@@ -13,6 +15,7 @@ def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
     """Print the summary of a fleet file and return it, as JSON. Raises InputError with all that is wrong."""
     from ..models.files.fleet_file import load_fleet_file
     from ..models.vehicle_notes import centre_of_mass_note, heading_hint
+    from ..reports.obstacles import of_fleet
     from ..reports.tables.fleet_summary import fleet_summary
     from ..reports.tables.robot_table import SHOWN, robot_summaries
 
@@ -27,4 +30,7 @@ def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
         printer.say("", f"{len(robots) - SHOWN} more robots; --json lists them")
     warnings = dict.fromkeys(line for robot in robots for line in robot.warnings)
     printer.say(*(f"warning: {line}" for line in warnings), *(f"note: {note}" for note in notes))
-    return {**summary, "robots": [robot.to_json() for robot in robots], "notes": notes}
+    obstacles = of_fleet(read.fleet)
+    say_obstacles(printer, obstacles)
+    document = {**summary, "robots": [robot.to_json() for robot in robots], "notes": notes}
+    return {**document, "obstacles": list(map(str, obstacles))}

@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 from .certify import certify_gains
 from .inputs import check_folder
+from .obstacles import obstacles_of
 
 if TYPE_CHECKING:
     from ..console import Printer
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
+    from ..reports.obstacles import Obstacle
     from ..synthesis.design import Design
     from ..verify.certificates.certify import Certificate
 
@@ -41,6 +43,7 @@ class Designed:
     design: Design
     document: dict[str, Any]  # the content of design.json
     certificate: Certificate
+    obstacles: list[Obstacle]  # what makes it useless on its robots
 
 
 def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions) -> Design:
@@ -78,10 +81,11 @@ def design_fleet(printer: Printer, fleet: Fleet, options: DesignOptions, folder:
     check_folder(folder)
     design = design_gains(printer, fleet, options)
     document = write_design(printer, design, folder)
-    certificate = certify_gains(printer, fleet, gains_of(design), design.conditions.name, folder)
+    gains = gains_of(design)
+    certificate = certify_gains(printer, fleet, gains, design.conditions.name, folder)
     if stale := stale_files(folder, Digests.of_json(document)):
         printer.say(f"note: {say_stale(stale)}")
-    return Designed(design, document, certificate)
+    return Designed(design, document, certificate, obstacles_of(printer, fleet, gains, design.tolerance))
 
 
 def gains_of(design: Design) -> GainsFile:

@@ -33,6 +33,11 @@ def read_gains(path: Path, fleet: Fleet) -> GainsFile:
     return load_gains(path, fleet)
 
 
+def conditions_of(requested: str | None, gains: GainsFile) -> str:
+    """The condition set to certify gains under: the one asked for, else the one that they were designed for."""
+    return str(requested or gains.conditions or "paper")
+
+
 def check_folder(folder: Path) -> None:
     """Refuse a folder that cannot be written before the work begins. Raises InputError or FaultError."""
     from ..models.files.text import check_writable

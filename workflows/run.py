@@ -2,53 +2,63 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..console import Outcome
 from . import certify, design, prove, simulate
+from .obstacles import obstacles_of, say_obstacles
 
 if TYPE_CHECKING:
     from ..console import Printer
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
+    from ..reports.obstacles import Obstacle
     from .design import DesignOptions
     from .simulate import Simulation
 
 
-def run(printer: Printer, fleet: Fleet, options: DesignOptions, simulation: Simulation, folder: Path) -> Outcome:
-    """Design and certify, then the rest of the pipeline."""
-    designed = design.design_fleet(printer, fleet, options, folder)
-    document = {
-        "design": designed.document,
-        "certificate": certify.as_json(designed.certificate, options.conditions, folder),
-    }
-    return _rest(printer, fleet, design.gains_of(designed.design), simulation, folder, document)
+@dataclass(frozen=True)
+class Pipeline:
+    """All steps for one fleet into one folder; false where a claim is, or where the robots cannot use the gains."""
 
+    printer: Printer
+    fleet: Fleet
+    simulation: Simulation
+    folder: Path
 
-def run_given(
-    printer: Printer, fleet: Fleet, gains: GainsFile, conditions: str, simulation: Simulation, folder: Path
-) -> Outcome:
-    """The same with gains that somebody else chose: certify them, then the rest of the pipeline."""
-    certificate = certify.certify_gains(printer, fleet, gains, conditions, folder)
-    document = {"certificate": certify.as_json(certificate, conditions, folder)}
-    return _rest(printer, fleet, gains, simulation, folder, document)
+    def run(self, options: DesignOptions) -> Outcome:
+        """Design and certify, then the rest."""
+        designed = design.design_fleet(self.printer, self.fleet, options, self.folder)
+        certificate = certify.as_json(designed.certificate, options.conditions, self.folder)
+        gains, document = design.gains_of(designed.design), {"design": designed.document, "certificate": certificate}
+        return self._rest(gains, document, designed.obstacles)
 
+    def run_given(self, gains: GainsFile, conditions: str) -> Outcome:
+        """Certify gains that somebody else chose, then the rest."""
+        certificate = certify.certify_gains(self.printer, self.fleet, gains, conditions, self.folder)
+        obstacles = obstacles_of(self.printer, self.fleet, gains, self.simulation.tolerance)
+        document = {"certificate": certify.as_json(certificate, conditions, self.folder)}
+        return self._rest(gains, document, obstacles)
 
-def _rest(
-    printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation, folder: Path, document: dict[str, Any]
-) -> Outcome:
-    """Prove, simulate and report; false where the certificate, the theorem or a promise of the theorem is."""
-    from ..reports.html.page import write_report
+    def _rest(self, gains: GainsFile, document: dict[str, Any], obstacles: list[Obstacle]) -> Outcome:
+        """Prove, simulate, report."""
+        from ..reports.html.page import write_report
+        from ..reports.obstacles import of_run
 
-    claims = prove.prove_claims(printer, fleet, folder, brief=True)
-    true = document["certificate"]["valid"] and prove.theorem_holds(claims)
-    if fleet.start() is None:
-        printer.say("simulation: left out, because the fleet file has no start for every vehicle")
-    else:
-        simulated = simulate.simulate_schemes(printer, fleet, gains, simulation, folder)
-        document["summary"] = simulated.document
-        true = true and not simulated.false_claims
-    path = write_report(folder)
-    printer.say(f"report: {path}")
-    return Outcome.of({**document, "report": str(path)}, true=true)
+        printer, fleet, folder = self.printer, self.fleet, self.folder
+        claims = prove.prove_claims(printer, fleet, folder, brief=True)
+        true = document["certificate"]["valid"] and prove.theorem_holds(claims)
+        if fleet.start() is None:
+            printer.say("simulation: left out, because the fleet file has no start for every vehicle")
+        else:
+            simulated = simulate.simulate_schemes(printer, fleet, gains, self.simulation, folder)
+            document["summary"] = simulated.document
+            true = true and not simulated.false_claims
+            obstacles = [*obstacles, *of_run(fleet, simulated.summary)]
+        path = write_report(folder)
+        printer.say(f"report: {path}")
+        say_obstacles(printer, obstacles)
+        content = {**document, "report": str(path), "obstacles": list(map(str, obstacles))}
+        return Outcome.of(content, true=true and not obstacles)

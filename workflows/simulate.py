@@ -59,11 +59,11 @@ def simulate_schemes(
     drawn = {f"{name} scheme": run for name, run in runs.items()}
     first = stored = runs[scheme]
     summary = summarize(fleet, first, simulation.tolerance, with_error=True)
-    printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *hints(summary))
+    printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *hints(summary), motion(summary))
     if disturbance is not None:
         summary, stored = _disturbed(fleet, first, disturbance, summary)
         drawn = {"with the disturbance": stored, **drawn}
-        printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}")
+        printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}", motion(summary))
     result = Simulated(summary, _document(fleet, gains, summary, scheme))
     _write(fleet, stored, drawn, result.document, folder)
     printer.say(*(f"FALSE: {claim}" for claim in result.false_claims), f"figures: {folder / 'figures'}")
@@ -139,6 +139,12 @@ def sentence(summary: Summary) -> str:
         f"final error {summary.final_position_error:.3g} m, {summary.final_heading_error:.3g} rad"
         + ("" if error is None or error.position >= CHAOTIC else f", integration error below {error.position:.1g} m")
     )
+
+
+def motion(summary: Summary) -> str:
+    """Room, least distance and top speeds of a run, for a reader."""
+    speeds = f"top speed {summary.peak_speed:.3g} m/s, turn rate {summary.peak_turn_rate:.3g} rad/s"
+    return f"{summary.room.sentence()}; {speeds}" if summary.room else speeds
 
 
 def hints(summary: Summary) -> list[str]:

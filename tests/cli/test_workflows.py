@@ -133,3 +133,42 @@ def test_the_modes_are_those_of_the_search() -> None:
     from gaincert.cli_options import Mode
 
     assert {mode.value for mode in Mode} == set(MODES)
+
+
+# -- run with given gains ----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def quick_proof(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The proof check has tests of its own."""
+    monkeypatch.setattr("gaincert.workflows.prove.prove_claims", lambda *_arguments, **_options: [])
+    monkeypatch.setattr("gaincert.workflows.prove.theorem_holds", lambda _claims: True)
+
+
+@pytest.mark.usefixtures("quick_proof")
+def test_run_takes_gains_and_designs_none(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(design_module, "prepare", stop)
+    done = gaincert("run", *PAPER, "-o", tmp_path, "--horizon", 5, "--json")
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["certificate"]["conditions"] == "paper"
+    assert "design" not in document
+    names = {"certificate.json", "summary.json", "trajectory.npz", "report.html"}
+    assert names <= {path.name for path in tmp_path.iterdir()}
+    assert not (tmp_path / "design.json").exists()
+    assert b"unbounded scheme" in (tmp_path / "figures" / "paths.svg").read_bytes()
+
+
+@pytest.mark.usefixtures("quick_proof")
+def test_a_run_whose_robots_cannot_move_ends_with_1_and_says_what_to_change(tmp_path: Path) -> None:
+    fleet = tmp_path / "fleet.toml"
+    fleet.write_text(PAPER[0].read_text() + "\n[disturbance]\ncoulomb = 60\nsample_time = 0.02\n")
+    done = gaincert("run", fleet, *PAPER[1:], "-o", tmp_path / "out", "--horizon", 2)
+    assert done.returncode == 1
+    last = done.stdout.splitlines()[-2:]
+    assert all(line.startswith("NOT USABLE: ") for line in last)
+    assert "friction of 60 N m at every wheel is more than the motors of" in done.stdout
+    assert "correct torque_limit or coulomb, or take stronger motors" in done.stdout
+    checked = gaincert("check", fleet)
+    assert checked.returncode == 0
+    assert checked.stdout.splitlines()[-1].startswith("NOT USABLE: friction of 60 N m")

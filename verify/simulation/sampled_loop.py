@@ -22,6 +22,7 @@ from ...models.graph import Graph
 from ...models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, Floats
 from .disturbance import Disturbance
+from .room import Room
 from .settling import PART, Approach, confirmed_by
 from .summary import Summary
 from .trajectory import Trajectory
@@ -128,6 +129,7 @@ class SampledLoop:
             peak_speed=float(np.abs(run.state.v).max()),
             peak_turn_rate=float(np.abs(run.state.omega).max()),
             violations=(*nominal.violations, *broken),
+            room=Room.of(run, self.fleet.names),
             disturbance=self.disturbance,
             nominal=nominal,
         )

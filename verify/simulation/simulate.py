@@ -18,6 +18,7 @@ from .engines import engine_name, make_integrator
 from .integrators import Integrator
 from .invariants import violations
 from .monitor import Monitor, Outcome
+from .room import Room
 from .summary import IntegrationError, Summary
 from .trajectory import Trajectory
 
@@ -132,6 +133,7 @@ def summarize(
         peak_speed=outcome.speed.value,
         peak_turn_rate=outcome.turn_rate.value,
         violations=broken,
+        room=Room.of(run, fleet.names),
         integration_error=integration_error(run) if with_error else None,
     )
 

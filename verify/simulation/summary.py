@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 from ...models.tolerance import Tolerance
 from .disturbance import Disturbance
 from .monitor import NamedPeak
+from .room import Room
 from .settling import Approach
 
 
@@ -34,6 +35,7 @@ class Summary:
     peak_speed: float  # m/s
     peak_turn_rate: float  # rad/s
     violations: tuple[str, ...]  # broken promises of the theorem, one sentence each
+    room: Room | None = None
     peak_torque: NamedPeak | None = None
     integration_error: IntegrationError | None = None
     disturbance: Disturbance | None = None  # of a disturbed run
@@ -59,6 +61,8 @@ class Summary:
             "peak_turn_rate": self.peak_turn_rate,
             "violations": list(self.violations),
         }
+        if self.room is not None:
+            document |= self.room.to_json()
         if self.peak_torque is not None:
             document["peak_torque"] = {"time_s": self.peak_torque.time, "vehicle": self.peak_torque.vehicle}
         if self.integration_error is not None:

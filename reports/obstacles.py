@@ -1,0 +1,91 @@
+"""What makes a design useless on its robots, and what to change: said before the robots find out."""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from ..models.fleet import Fleet
+from ..models.tolerance import Tolerance
+from ..verify.simulation.room import Room
+from ..verify.simulation.settling import Approach
+from ..verify.simulation.summary import Summary
+from .tables.demands_table import DemandRow, coulomb, motor_torque
+
+
+class Obstacle(NamedTuple):
+    """Why the robots will not do what the design promises, and the remedy."""
+
+    what: str
+    remedy: str
+
+    def __str__(self) -> str:
+        return f"{self.what}; {self.remedy}"
+
+
+def of_fleet(fleet: Fleet) -> list[Obstacle]:
+    """What no gains can mend: motors that cannot overcome friction."""
+    friction = coulomb(fleet)
+    held = [vehicle.name for vehicle in fleet.vehicles if motor_torque(vehicle) <= friction]
+    if not held:
+        return []
+    what = f"friction of {friction:g} N m at every wheel is more than the motors of {_some(held)} can overcome"
+    return [Obstacle(what, "correct torque_limit or coulomb, or take stronger motors")]
+
+
+def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
+    """Friction against the torques that the controller asks for."""
+    held = [row.vehicle for row in rows if row.torque <= row.friction]
+    if held:
+        what = f"the controller never asks {_some(held)} for more torque than friction takes, so they do not move"
+        return [Obstacle(what, "allow more torque (a larger torque_limit or --torque-factor) or reduce the friction")]
+    short = [row for row in rows if row.stops_within > tolerance.position]
+    if not short:
+        return []
+    worst = max(short, key=lambda row: row.stops_within)
+    where = "anywhere" if math.isinf(worst.stops_within) else f"up to {worst.stops_within:.3g} m from its place"
+    what = (
+        f"friction may hold {worst.vehicle!r} {where}, and {len(short)} of {len(rows)} vehicles outside the tolerance"
+    )
+    return [Obstacle(what, "ask for a wider --tolerance, allow more torque or reduce the friction")]
+
+
+def of_control_rate(sample_time: float | None, largest: float | None) -> list[Obstacle]:
+    """The fleet's sample time against the largest with which the design still settles, s; None where unknown."""
+    if sample_time is None or largest is None or sample_time <= largest:
+        return []
+    what = (
+        f"torques are computed every {1000 * sample_time:g} ms, and this design needs {1000 * largest:.3g} ms or less"
+    )
+    return [Obstacle(what, "compute them more often, or design with this sample_time in [disturbance]")]
+
+
+def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
+    """Collisions, and a run with its disturbance that does not come to its goal."""
+    found = [] if summary.room is None else _collisions(fleet, summary.room)
+    if summary.disturbance is not None and not summary.settled and summary.approach is not Approach.CLOSING_IN:
+        what = (
+            f"with its disturbance the fleet does not settle: after {summary.horizon:g} s it is {summary.approach}, "
+            f"{summary.final_position_error:.3g} m and {summary.final_heading_error:.3g} rad off"
+        )
+        found.append(Obstacle(what, "reduce the disturbance, allow more torque or ask for a wider --tolerance"))
+    return found
+
+
+def _collisions(fleet: Fleet, room: Room) -> list[Obstacle]:
+    """The nearest pair against the footprints, where both are given."""
+    nearest = room.nearest
+    sizes = [fleet.vehicles[i].footprint for i in (nearest.first, nearest.second)]
+    if math.isinf(nearest.distance) or None in sizes:
+        return []
+    needed = float(sum(size for size in sizes if size is not None))
+    if nearest.distance >= needed:
+        return []
+    pair = f"{room.names[nearest.first]!r} and {room.names[nearest.second]!r}"
+    what = f"{pair} come within {nearest.distance:.3g} m at {nearest.time:.4g} s and need {needed:g} m: they collide"
+    return [Obstacle(what, "change their starts or offsets; the controller does not avoid collisions")]
+
+
+def _some(names: list[str]) -> str:
+    shown = ", ".join(map(repr, names[:3]))
+    return shown if len(names) <= 3 else f"{shown} and {len(names) - 3} more"

@@ -1,0 +1,155 @@
+"""Said before it fails: friction, motors, control rate, collisions, and runs that do not arrive."""
+
+import math
+import tomllib
+from dataclasses import replace
+from fractions import Fraction
+
+import numpy as np
+import pytest
+from gaincert.models.equations import State
+from gaincert.models.files.fleet_file import parse
+from gaincert.models.files.fleet_text import dumps
+from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.models.saturation import Saturation
+from gaincert.models.tolerance import Tolerance
+from gaincert.reports import obstacles
+from gaincert.reports.tables.demands_table import demand_rows, for_terminal
+from gaincert.verify.simulation.disturbance import Disturbance
+from gaincert.verify.simulation.room import Room, _among_all, _by_tree
+from gaincert.verify.simulation.settling import Approach
+from gaincert.verify.simulation.summary import Summary
+from gaincert.verify.simulation.trajectory import Trajectory
+
+
+def fleet_with(coulomb=0.0, footprint=None):
+    content = tomllib.loads(dumps(paper_fleet()), parse_float=str)
+    content["disturbance"] = {"coulomb": coulomb, "sample_time": "0.02"}
+    for vehicle in content["vehicle"]:
+        if footprint is not None:
+            vehicle["footprint"] = footprint
+    return parse(content)
+
+
+def rows_with(coulomb, saturation=None):
+    gains = replace(paper_gains(), saturation=saturation or Saturation())
+    return demand_rows(fleet_with(coulomb), paper_excitation(), gains)
+
+
+def run_of(x, y):
+    zero = np.zeros_like(x)
+    t = np.arange(float(len(x)))
+    return Trajectory(t, State(x, y, zero, zero, zero), zero, zero, t, t)
+
+
+SUMMARY = Summary(
+    settling_time=math.inf,
+    approach=Approach.STANDING_STILL,
+    tolerance=Tolerance(),
+    horizon=80.0,
+    peak_torque_ratio=0.5,
+    final_position_error=2.0,
+    final_heading_error=0.3,
+    max_V_increase=0.0,
+    peak_speed=1.0,
+    peak_turn_rate=1.0,
+    violations=(),
+    disturbance=Disturbance(0.02, coulomb=1.0),
+)
+
+
+# -- friction ----------------------------------------------------------------------------------------------------------
+
+
+def test_without_friction_nothing_is_in_the_way():
+    assert obstacles.of_fleet(fleet_with()) == []
+    rows = rows_with(0.0)
+    assert obstacles.of_gains(rows, Tolerance()) == []
+    assert all(row.stops_within == 0 for row in rows)
+    assert "friction / N m" not in for_terminal(rows).headings
+
+
+def test_friction_beyond_the_motors_is_said_of_the_fleet():
+    (found,) = obstacles.of_fleet(fleet_with(56))
+    assert str(found).startswith(
+        "friction of 56 N m at every wheel is more than the motors of 'v1', 'v2', 'v5' and 1 more"
+    )
+    assert "stronger motors" in found.remedy
+
+
+def test_friction_beyond_the_controller_is_said_of_the_gains():
+    rows = rows_with(30)  # v1 never asks for more than 26.5 N m
+    (found,) = obstacles.of_gains(rows, Tolerance())
+    assert found.what == "the controller never asks 'v1' for more torque than friction takes, so they do not move"
+    assert "--torque-factor" in found.remedy
+
+
+def test_friction_near_the_goal_is_said_with_the_distance():
+    rows = rows_with(0.5)
+    worst = max(row.stops_within for row in rows)
+    (found,) = obstacles.of_gains(rows, Tolerance())
+    assert f"up to {worst:.3g} m from its place" in found.what
+    assert obstacles.of_gains(rows, Tolerance(1.01 * worst, 0.1)) == []
+
+
+def test_the_controllers_force_equals_friction_where_a_robot_stops():
+    """One vehicle off along its heading, all others in place: u_v of (7) against 2 c / r."""
+    scale = Saturation(Fraction("2.5"), Fraction(1), Fraction(1), Fraction(1))
+    fleet, rows = fleet_with(0.5), rows_with(0.5, scale)
+    for i, row in enumerate(rows):
+        degree = float(fleet.graph.degree[i])
+        force = 56 * degree * math.tanh(row.stops_within / 2.5)
+        assert force * float(fleet.vehicles[i].wheel_radius) / 2 == pytest.approx(0.5)
+
+
+def test_a_smaller_scale_of_the_speed_certifies_a_lower_speed():
+    half = rows_with(0, Saturation(1, 1, Fraction(1, 2), 1))
+    whole = rows_with(0)
+    for one, other in zip(half, whole, strict=True):
+        assert one.speed == pytest.approx(other.speed / 2)
+
+
+def test_a_bound_that_does_not_exist_is_called_none():
+    rows = [row._replace(speed=math.inf) for row in rows_with(0.5)]
+    assert for_terminal(rows).rows[0][-2] == "none"
+
+
+# -- control rate, collisions, runs ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("sample", "largest", "count"), [(0.02, 0.05, 0), (0.05, 0.02, 1), (None, 0.1, 0), (0.1, None, 0)]
+)
+def test_a_computer_that_is_too_slow_is_named(sample, largest, count):
+    found = obstacles.of_control_rate(sample, largest)
+    assert len(found) == count
+    assert not found or "every 50 ms, and this design needs 20 ms or less" in found[0].what
+
+
+def test_robots_that_collide_are_named_where_their_size_is_known():
+    x = np.array([[0.0, 5, 9, 13, 17, 21], [0.0, 0.5, 9, 13, 17, 21]])
+    room = Room.of(run_of(x, np.zeros_like(x)), paper_fleet().names)
+    summary = replace(SUMMARY, disturbance=None, room=room)
+    assert obstacles.of_run(fleet_with(), summary) == []
+    assert obstacles.of_run(fleet_with(footprint="0.2"), summary) == []
+    (found,) = obstacles.of_run(fleet_with(footprint="0.4"), summary)
+    assert found.what == "'v1' and 'v2' come within 0.5 m at 1 s and need 0.8 m: they collide"
+
+
+def test_a_disturbed_run_that_stands_still_is_useless_and_one_that_closes_in_is_not():
+    (found,) = obstacles.of_run(fleet_with(), SUMMARY)
+    assert "after 80 s it is standing still, 2 m and 0.3 rad off" in found.what
+    assert obstacles.of_run(fleet_with(), replace(SUMMARY, approach=Approach.CLOSING_IN)) == []
+    assert obstacles.of_run(fleet_with(), replace(SUMMARY, settling_time=10.0)) == []
+
+
+def test_both_searches_for_the_nearest_pair_agree(random):
+    x, y = random.uniform(-5, 5, (2, 7, 40))
+    t = np.arange(7.0)
+    assert _among_all(t, x, y) == pytest.approx(_by_tree(t, x, y))
+
+
+def test_one_robot_has_no_nearest_one():
+    room = Room.of(run_of(np.array([[0.0], [3.0]]), np.array([[0.0], [4.0]])), ["v1"])
+    assert room.to_json() == {"room_m": [3.0, 4.0], "least_distance_m": None, "nearest": None}
+    assert room.sentence() == "the fleet uses 3 m x 4 m"
