@@ -112,7 +112,7 @@ def test_a_bug_is_a_fault_and_no_verdict(monkeypatch: pytest.MonkeyPatch) -> Non
     def broken(*_: object) -> None:
         raise KeyError("x")
 
-    monkeypatch.setattr("gaincert.cli.read_fleet", broken)
+    monkeypatch.setattr("gaincert.workflows.check.check_fleet", broken)
     done = gaincert("check", PAPER[0])
     assert done.returncode == 5
     assert "error: this is a fault of gaincert (KeyError)" in done.stderr
@@ -123,7 +123,7 @@ def test_no_memory_is_a_fault_without_a_traceback(monkeypatch: pytest.MonkeyPatc
     def broken(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("gaincert.cli.read_fleet", broken)
+    monkeypatch.setattr("gaincert.workflows.check.check_fleet", broken)
     done = gaincert("check", PAPER[0])
     assert done.returncode == 5
     assert "Traceback" not in done.stderr
