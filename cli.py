@@ -217,12 +217,17 @@ def report(
 
 @verb
 def export(
-    printer: Printer, *, folder: cli.ResultFolder, kind: cli.FormatOption, fleet: cli.FolderFleet = None
+    printer: Printer,
+    *,
+    folder: cli.ResultFolder,
+    kind: cli.FormatOption,
+    interface: cli.InterfaceOption = cli.Interface.effort,
+    fleet: cli.FolderFleet = None,
 ) -> Outcome:
     """Write the gains for robots, spreadsheets and papers."""
     from .reports.export.formats import export as export_files
 
-    paths = [str(path) for path in export_files(folder, kind.value, fleet)]
+    paths = [str(path) for path in export_files(folder, kind.value, fleet, interface.value)]
     printer.say(*(f"wrote {path}" for path in paths))
     return Outcome({"format": kind.value, "files": paths})
 

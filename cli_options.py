@@ -50,6 +50,13 @@ class Format(StrEnum):
     markdown = "markdown"
 
 
+class Interface(StrEnum):
+    """What the exported ROS 2 node commands."""
+
+    effort = "effort"
+    velocity = "velocity"
+
+
 class Animation(StrEnum):
     """File formats of an animation."""
 
@@ -111,6 +118,7 @@ CertifiedFleet = Annotated[
 TemplateOption = Annotated[Template, typer.Option(help="the kind of fleet")]
 Vehicles = Annotated[int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for line and ring")]
 FormatOption = Annotated[Format, typer.Option("--format", help="the program or document that will read the gains")]
+InterfaceOption = Annotated[Interface, typer.Option(help="what the ROS 2 node commands: wheel torques or twists")]
 Animate = Annotated[
     Animation | None, typer.Option(help="also write animation.gif, or animation.mp4 (which needs ffmpeg)")
 ]

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ...models.algebra.ops import numpy_ops
 from ...models.arrays import floats
-from ...models.equations import Plant, State, control
+from ...models.equations import Plant, State, accelerations, control
 from ...models.gains import GAIN_NAMES
 from ..deployment import Deployment
 from ..rendering import render
@@ -52,6 +52,7 @@ def c_files(deployed: Deployment) -> dict[str, str]:
         first=near.first.tolist(),
         neighbours=near.vehicle.tolist() or [0],
         links=[_row(row) for row in links] or ["{0.0, 0.0, 0.0}"],
+        inertias=[_row(row) for row in _inertias(plant)],
         bounds=[_number(float(bound)) for bound in deployed.torque_bounds],
         limits=[_number(float(limit)) for limit in deployed.fleet.condition_data(deployed.excitation).torque],
         **common,
@@ -71,6 +72,12 @@ def _robots(deployed: Deployment, plant: Plant) -> NDArray[np.float64]:
     return np.column_stack(
         [*gains, *scales, plant.r, plant.arm, plant.offset_x, plant.offset_y, plant.graph.leader_weight]
     )
+
+
+def _inertias(plant: Plant) -> NDArray[np.float64]:
+    """(v' over the sum of the torques, omega' over their difference) of (2), one row per vehicle."""
+    ones, zeros = np.ones_like(plant.r), np.zeros_like(plant.r)
+    return np.column_stack([accelerations(plant, ones, zeros)[k] for k in range(2)])
 
 
 def _row(values: Any) -> str:

@@ -14,15 +14,24 @@ from ..escapes import no_formula
 from ..rendering import render
 from ..tables.gain_table import COLUMNS, CONTROLLER, rows
 
+INTERFACES = ("effort", "velocity")
 LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
 
 
-def export(folder: Path, kind: str, fleet_path: Path | None = None) -> list[Path]:
-    """Write one format of what lies in a folder, each file whole or not at all. Raises InputError."""
+def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: str = "effort") -> list[Path]:
+    """Write one format of what lies in a folder, each file whole or not at all. Raises InputError.
+
+    `interface` is what the ROS 2 node commands: wheel torques (effort) or twists (velocity).
+    """
     if kind not in FORMATS:
         raise InputError(f"format = {kind!r} is not known; choose one of {', '.join(FORMATS)}")
-    files = FORMATS[kind](load_deployment(folder, fleet_of_folder(folder, fleet_path)))
+    if interface not in INTERFACES:
+        raise InputError(f"interface = {interface!r} is not known; choose one of {', '.join(INTERFACES)}")
+    if interface != "effort" and kind != "ros2":
+        raise InputError(f"interface = {interface!r} is of the format ros2, not of {kind}; leave it out")
+    deployed = load_deployment(folder, fleet_of_folder(folder, fleet_path))
+    files = ros2_files(deployed, interface) if kind == "ros2" else FORMATS[kind](deployed)
     return [write_text(folder / name, text) for name, text in files.items()]
 
 
@@ -63,11 +72,11 @@ def markdown_files(deployed: Deployment) -> dict[str, str]:
     }
 
 
-def ros2_files(deployed: Deployment) -> dict[str, str]:
+def ros2_files(deployed: Deployment, interface: str = "effort") -> dict[str, str]:
     """Parameters of the ROS 2 node, and the node."""
     from .ros2 import ros2_files as files
 
-    return files(deployed)
+    return files(deployed, interface)
 
 
 def c_files(deployed: Deployment) -> dict[str, str]:

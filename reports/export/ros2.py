@@ -7,8 +7,10 @@ import re
 from importlib.resources import files
 from typing import Any
 
+from ...models.conditions import exact_numbers
 from ...models.equations import Plant
 from ...models.gains import GAIN_NAMES
+from ...models.motion_bounds import motion_bounds
 from ...models.numbers import low, nominal
 from ..deployment import Deployment
 from ..escapes import yaml_text
@@ -19,15 +21,22 @@ NODE = "gaincert_node.py"
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
-def ros2_files(deployed: Deployment) -> dict[str, str]:
-    """gaincert.yaml and gaincert_node.py."""
+def ros2_files(deployed: Deployment, interface: str = "effort") -> dict[str, str]:
+    """gaincert.yaml and gaincert_node.py, for wheels that take torques or for a base that takes velocities."""
     names, plant = namespaces(deployed.fleet.names), deployed.fleet.plant()
     near = neighbours(plant.graph)
+    motion = motion_parameters(deployed) if interface == "velocity" else [{}] * len(names)
     nodes = [
-        {"namespace": name, "parameters": parameters(deployed, plant, near, names, i)} for i, name in enumerate(names)
+        {
+            "namespace": name,
+            "parameters": {"interface": interface, **parameters(deployed, plant, near, names, i), **motion[i]},
+        }
+        for i, name in enumerate(names)
     ]
     return {
-        "gaincert.yaml": render("ros2.yaml", fleet=deployed.fleet, evidence=deployed.evidence, nodes=nodes),
+        "gaincert.yaml": render(
+            "ros2.yaml", fleet=deployed.fleet, evidence=deployed.evidence, nodes=nodes, interface=interface
+        ),
         NODE: (files("gaincert.reports") / "templates" / NODE).read_text(),
     }
 
@@ -72,6 +81,28 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
     }
     # ROS takes no empty list: the node's default stands for it.
     return {key: _yaml(value) for key, value in values.items() if value != []}
+
+
+def motion_parameters(deployed: Deployment) -> list[dict[str, str]]:
+    """Certified bounds of every vehicle's motion from rest, under the names that diff_drive_controller has for limits.
+
+    Rounded up, so that a base that allows them allows every commanded motion. A speed that is not bounded is left out.
+    """
+    numbers = exact_numbers()
+    bounds = motion_bounds(numbers, deployed.fleet.condition_data(deployed.excitation), deployed.gains)
+    rows = []
+    for v, omega, a, a_omega in zip(*bounds, strict=True):
+        limits = {}
+        for axis, speed, acceleration in (("linear.x", v, a), ("angular.z", omega, a_omega)):
+            limits |= {f"{axis}.max_velocity": speed, f"{axis}.min_velocity": -speed}
+            limits |= {f"{axis}.max_acceleration": acceleration, f"{axis}.max_deceleration": -acceleration}
+        rows.append({key: _yaml(_away(value)) for key, value in limits.items() if abs(value) != math.inf})
+    return rows
+
+
+def _away(value: Any) -> float:
+    """The float next to an exact number, away from 0."""
+    return math.nextafter(float(value), math.copysign(math.inf, value))
 
 
 def _yaml(value: Any) -> str:

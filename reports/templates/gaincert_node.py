@@ -8,10 +8,15 @@ Subscribes  odom (nav_msgs/Odometry)            the robot's own pose and velocit
             /NEIGHBOUR/gaincert_controller/pose what each neighbour's node publishes
 Publishes   ~/pose (std_msgs/Float64MultiArray) x, y (m), theta (rad, on the real line)
             effort_controller/commands (std_msgs/Float64MultiArray)   left and right wheel torque, N m
+            cmd_vel (geometry_msgs/Twist)           for the interface `velocity`: m/s, rad/s
 
-The controller commands torques, so the wheels need the *effort* interface of ros2_control and an
-effort_controllers/JointGroupEffortController with the joints [left, right]. The stock diff_drive_controller commands
-velocities: its loop would stand between the proof and the wheels.
+With the interface `effort` the wheels need the *effort* interface of ros2_control and an
+effort_controllers/JointGroupEffortController with the joints [left, right].
+
+With the interface `velocity` any base will do that takes twists, such as diff_drive_controller. The node integrates the
+controller's accelerations from the velocities that it *commanded*, so the commanded motion is the certified one. The
+base has to follow: its own limits must not lie below the parameters linear.x.* and angular.z.*, which are certified.
+Where a pose is too old the command goes to 0 within the certified acceleration.
 
 Headings live on the real line, not modulo 2 pi. Each node unwraps its own heading from the first reading on and
 publishes it, so that all nodes mean the same number by it. The torques are 0 while a pose that is needed is older than
@@ -29,6 +34,7 @@ from pathlib import Path
 
 try:
     import rclpy
+    from geometry_msgs.msg import Twist, TwistStamped
     from nav_msgs.msg import Odometry
     from rclpy.node import Node
     from std_msgs.msg import Float64MultiArray
@@ -61,10 +67,17 @@ class Library:
 
     def torques(self, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
         """Left and right wheel torque, N m, at time t (s)."""
-        left, right = ctypes.c_double(), ctypes.c_double()
+        return self._pair(self._c.gaincert_torques, vehicle, t, state)
+
+    def accelerations(self, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
+        """What these torques accelerate: v' and omega', m/s^2 and rad/s^2."""
+        return self._pair(self._c.gaincert_accelerations, vehicle, t, state)
+
+    def _pair(self, function: object, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
+        first, second = ctypes.c_double(), ctypes.c_double()
         arrays = (state.x, state.y, state.theta, state.v, state.omega)
-        self._c.gaincert_torques(vehicle, ctypes.c_double(t), *arrays, ctypes.byref(left), ctypes.byref(right))
-        return left.value, right.value
+        function(vehicle, ctypes.c_double(t), *arrays, ctypes.byref(first), ctypes.byref(second))
+        return first.value, second.value
 
 
 class FleetState:
@@ -89,6 +102,16 @@ class FleetState:
             self.x[vehicle], self.y[vehicle], self.theta[vehicle] = pose
             self.heard[vehicle] = now
 
+    def pose(self, vehicle: int) -> tuple[float, float, float]:
+        """What is known of a vehicle's pose."""
+        return self.x[vehicle], self.y[vehicle], self.theta[vehicle]
+
+    def place(self, vehicle: int, values: list[float]) -> None:
+        """Set x, y, theta, v and omega of a vehicle, without hearing it."""
+        arrays = (self.x, self.y, self.theta, self.v, self.omega)
+        for array, value in zip(arrays, values, strict=True):
+            array[vehicle] = value
+
     def fresh(self, vehicles: list[int], now: float, max_age: float) -> bool:
         """Whether the poses of these vehicles are no older than `max_age`, s."""
         return all(now - self.heard[vehicle] <= max_age for vehicle in vehicles)
@@ -112,6 +135,47 @@ def command(library: Library, vehicle: int, t: float, now: float, state: FleetSt
     return list(torques) if all(map(math.isfinite, torques)) else [0.0, 0.0]
 
 
+class CommandedVelocity:
+    """The twist that a base is told: (13)-(14) integrated from the twist that it was told before."""
+
+    def __init__(self, library: Library, vehicle: int, acceleration: float, turn_acceleration: float) -> None:
+        """Stand still. The accelerations (m/s^2, rad/s^2) are those of a stop."""
+        self.library, self.vehicle = library, vehicle
+        self.limits = acceleration, turn_acceleration
+        self.twist = 0.0, 0.0  # m/s, rad/s
+
+    def advance(self, t: float, step: float, now: float, state: FleetState, max_age: float) -> tuple[float, float]:
+        """The twist at t + step, where all poses that are needed are new enough, else a step towards 0."""
+        near = [self.vehicle, *self.library.neighbours(self.vehicle)]
+        ahead = self._integrated(t, step, state) if state.fresh(near, now, max_age) else self._slower(step)
+        self.twist = ahead if all(map(math.isfinite, ahead)) else self._slower(step)
+        return self.twist
+
+    def _integrated(self, t: float, step: float, state: FleetState) -> tuple[float, float]:
+        """One step of the classical Runge-Kutta method for the robot's own motion, its neighbours where they are."""
+        start = [*state.pose(self.vehicle), *self.twist]
+        slope, total = [0.0] * 5, [0.0] * 5
+        for share, weight in ((0.0, 1), (0.5, 2), (0.5, 2), (1.0, 1)):
+            own = [value + share * step * rate for value, rate in zip(start, slope, strict=True)]
+            slope = self._slope(t + share * step, own, state)
+            total = [before + weight * rate for before, rate in zip(total, slope, strict=True)]
+        state.place(self.vehicle, start)
+        return start[3] + step / 6 * total[3], start[4] + step / 6 * total[4]
+
+    def _slope(self, t: float, own: list[float], state: FleetState) -> list[float]:
+        """The rate of change of own x, y, theta, v, omega on a base that does what it is told."""
+        state.place(self.vehicle, own)
+        _, _, theta, v, omega = own
+        return [v * math.cos(theta), v * math.sin(theta), omega, *self.library.accelerations(self.vehicle, t, state)]
+
+    def _slower(self, step: float) -> tuple[float, float]:
+        v, omega = (
+            math.copysign(max(0.0, abs(speed) - limit * step), speed)
+            for speed, limit in zip(self.twist, self.limits, strict=True)
+        )
+        return v, omega
+
+
 class GaincertNode(Node):  # type: ignore[misc]
     """Reads parameters, subscribes, and publishes torques at a fixed rate."""
 
@@ -125,14 +189,22 @@ class GaincertNode(Node):  # type: ignore[misc]
         self.library = Library(path, self._parameter("gains_digest"), size)
         self.state = FleetState(size)
         self.start = self._now()
-        self.torques = self.create_publisher(Float64MultiArray, "effort_controller/commands", 1)
+        self.velocity = self._parameter("interface", "effort") == "velocity"
+        if self.velocity:
+            limits = (self._parameter(f"{axis}.max_acceleration") for axis in ("linear.x", "angular.z"))
+            self.commanded = CommandedVelocity(self.library, self.vehicle, *limits)
+            self.twist = TwistStamped if self._parameter("use_stamped_vel", False) else Twist
+            self.twists = self.create_publisher(self.twist, "cmd_vel", 1)
+        else:
+            self.torques = self.create_publisher(Float64MultiArray, "effort_controller/commands", 1)
         self.pose = self.create_publisher(Float64MultiArray, "~/pose", 1)
         self.create_subscription(Odometry, "odom", self._odometry, 1)
         names = self._parameter("neighbour_namespaces", [])
         for other, name in zip(self._parameter("neighbours", []), names, strict=True):
             topic = f"/{name}/gaincert_controller/pose"
             self.create_subscription(Float64MultiArray, topic, lambda message, j=other: self._neighbour(j, message), 1)
-        self.create_timer(1 / self._parameter("rate", 100.0), self._step)
+        self.period = 1 / self._parameter("rate", 100.0)  # s
+        self.create_timer(self.period, self._step)
 
     def _parameter(self, name: str, default: object = None) -> object:
         if not self.has_parameter(name):
@@ -156,14 +228,27 @@ class GaincertNode(Node):  # type: ignore[misc]
 
     def _step(self) -> None:
         now = self._now()
+        if self.velocity:
+            twist = self.commanded.advance(now - self.start, self.period, now, self.state, self.max_age)
+            self._publish_twist(*twist)
+            return
         data = command(self.library, self.vehicle, now - self.start, now, self.state, self.max_age)
         self.torques.publish(Float64MultiArray(data=data))
+
+    def _publish_twist(self, v: float, omega: float) -> None:
+        message = self.twist()
+        body = message
+        if self.twist is TwistStamped:
+            message.header.stamp = self.get_clock().now().to_msg()
+            body = message.twist
+        body.linear.x, body.angular.z = v, omega
+        self.twists.publish(message)
 
 
 def main() -> None:
     """Run the node."""
     if rclpy is None:
-        sys.exit("gaincert_node.py needs ROS 2 (rclpy, nav_msgs, std_msgs): source its setup file first")
+        sys.exit("gaincert_node.py needs ROS 2 (rclpy, geometry_msgs, nav_msgs, std_msgs): source its setup file first")
     rclpy.init()
     rclpy.spin(GaincertNode())
 

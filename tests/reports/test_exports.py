@@ -14,18 +14,21 @@ import numpy as np
 import pytest
 from gaincert.models.algebra.ops import numpy_ops
 from gaincert.models.arrays import floats
-from gaincert.models.equations import State, control
+from gaincert.models.conditions import float_numbers
+from gaincert.models.equations import State, closed_loop, control
 from gaincert.models.errors import InputError, UndecidedError
 from gaincert.models.files.fleet_text import dumps
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES
+from gaincert.models.motion_bounds import motion_bounds
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.reports.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
 from gaincert.reports.escapes import c_comment, no_formula, yaml_text
 from gaincert.reports.export import casadi_source
 from gaincert.reports.export.formats import FORMATS, export
-from gaincert.reports.export.ros2 import namespaces
+from gaincert.reports.export.ros2 import namespaces, ros2_files
 from gaincert.verify.certificates.certify import certify
+from scipy.integrate import solve_ivp
 
 ROOT = Path(__file__).parents[2]
 OPS = numpy_ops()
@@ -370,6 +373,151 @@ def test_the_node_says_what_it_needs_where_there_is_no_ros():
     )
     assert done.returncode == 1 or "rclpy" in sys.modules
     assert "needs ROS 2" in done.stderr
+
+
+# -- the velocity interface -------------------------------------------------------------------------------------------
+
+
+def all_known(node, state, now=0.0):
+    """What a robot knows that hears the whole fleet."""
+    known = node.FleetState(len(state.x))
+    for vehicle, own in enumerate(zip(*state, strict=True)):
+        known.hear(vehicle, now, own[:3])
+        known.place(vehicle, own)
+    return known
+
+
+@compiler
+def test_c_accelerations_are_those_of_the_closed_loop(node, fleet, psi, draw_gains, draw_state, tmp_path):
+    """Every graph family x both drives, with wheels that have an inertia of their own."""
+    content = fleet.model_dump(by_alias=True)
+    for vehicle in content["vehicle"]:
+        vehicle["wheel_inertia"] = "0.01"
+    fleet = Fleet.model_validate(content)
+    deployed = deployed_of(fleet, psi, draw_gains(len(fleet)))
+    build(deployed, tmp_path)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, len(fleet))
+    state = draw_state(len(fleet))
+    rates = closed_loop(OPS, fleet.plant(), deployed.gains.map(floats), psi.value(OPS, 3.0), state)
+    known = all_known(node, state)
+    for vehicle in range(len(fleet)):
+        found = library.accelerations(vehicle, 3.0, known)
+        assert found == pytest.approx((rates.v[vehicle], rates.omega[vehicle]), rel=1e-9, abs=1e-9)
+    assert library.accelerations(len(fleet), 3.0, known) == (0, 0)
+
+
+@compiler
+def test_the_commanded_motion_is_the_closed_loop(node, tmp_path, draw_state):
+    """All nodes of the paper's fleet, integrated together on bases that do what they are told: to 1e-9 over 20 s."""
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    build(deployed, tmp_path)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 6)
+    gains, plant, start = paper_gains().map(floats), paper_fleet().plant(), np.concatenate(draw_state(6))
+
+    def commanded(t, values):
+        state = State(*values.reshape(5, 6))
+        known = all_known(node, state)
+        nodes = [node.CommandedVelocity(library, i, 1.0, 1.0) for i in range(6)]
+        own = (tuple(column[i] for column in state) for i in range(6))
+        slopes = [each._slope(t, list(mine), known) for each, mine in zip(nodes, own, strict=True)]
+        return np.array(slopes).T.ravel()
+
+    def model(t, values):
+        return np.concatenate(
+            closed_loop(OPS, plant, gains, paper_excitation().value(OPS, t), State(*values.reshape(5, 6)))
+        )
+
+    ends = [solve_ivp(rate, (0, 20), start, "DOP853", rtol=1e-11, atol=1e-12).y[:, -1] for rate in (commanded, model)]
+    assert ends[0] == pytest.approx(ends[1], rel=0, abs=1e-9)
+
+
+@compiler
+def test_a_node_alone_steps_along_the_closed_loop(node, tmp_path, psi, draw_gains, draw_state):
+    """One vehicle and a leader, stepped at 500 Hz by the node's own method, on a base that does what it is told."""
+    content = paper_fleet().model_dump(by_alias=True)
+    content["vehicle"], content["graph"] = content["vehicle"][:1], {"leader_links": {"v1": 1}}
+    fleet = Fleet.model_validate(content)
+    deployed = deployed_of(fleet, psi, draw_gains(1))
+    build(deployed, tmp_path)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 1)
+    gains, plant, start = deployed.gains.map(floats), fleet.plant(), np.concatenate(draw_state(1))
+
+    def model(t, values):
+        return np.concatenate(closed_loop(OPS, plant, gains, psi.value(OPS, t), State(*values.reshape(5, 1))))
+
+    step, count = 0.002, 1000
+    times = step * np.arange(count + 1)
+    exact = solve_ivp(model, (0, times[-1]), start, "DOP853", rtol=1e-12, atol=1e-13, t_eval=times).y
+    mover = node.CommandedVelocity(library, 0, 1.0, 1.0)
+    mover.twist = tuple(exact[3:, 0])
+    for k in range(count):
+        known = all_known(node, State(*exact[:, k].reshape(5, 1)), times[k])
+        twist = mover.advance(times[k], step, times[k], known, 0.1)
+        assert twist == pytest.approx(exact[3:, k + 1], rel=0, abs=1e-9)
+        assert known.pose(0) == tuple(exact[:3, k])  # as it was measured
+
+
+@compiler
+def test_a_base_slows_down_within_its_acceleration_where_poses_are_old(node, tmp_path, draw_state):
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    build(deployed, tmp_path)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 6)
+    mover = node.CommandedVelocity(library, 0, 2.0, 3.0)
+    mover.twist = 0.5, -0.2
+    twists = [mover.advance(9.0, 0.1, 9.0, node.FleetState(6), 0.1) for _ in range(4)]
+    assert np.array(twists) == pytest.approx(np.array([[0.3, 0], [0.1, 0], [0, 0], [0, 0]]))
+    known = all_known(node, draw_state(6), 9.0)
+    known.x[1] = math.nan  # whatever the reason: the command stays a number
+    assert mover.advance(9.0, 0.1, 9.0, known, 0.1) == (0, 0)
+
+
+@pytest.mark.needs("yaml")
+def test_the_velocity_interface_has_the_certified_limits_of_the_motion():
+    """Under the names of diff_drive_controller; 3000 random states of a run from rest keep within them."""
+    import yaml
+
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    content = yaml.safe_load(ros2_files(deployed, "velocity")["gaincert.yaml"])
+    plain = yaml.safe_load(FORMATS["ros2"](deployed)["gaincert.yaml"])
+    data = paper_fleet().condition_data(paper_excitation())
+    bounds = motion_bounds(float_numbers(), data.map(floats), paper_gains().map(floats))
+    for i, (name, node) in enumerate(content.items()):
+        parameters = node["ros__parameters"]
+        assert parameters["interface"] == "velocity"
+        assert plain[name]["ros__parameters"]["interface"] == "effort"
+        assert "linear.x.max_velocity" not in plain[name]["ros__parameters"]
+        for axis, speed, acceleration in (
+            ("linear.x", bounds.speed, bounds.acceleration),
+            ("angular.z", bounds.turn_rate, bounds.turn_acceleration),
+        ):
+            assert parameters[f"{axis}.max_acceleration"] == pytest.approx(acceleration[i], rel=1e-9)
+            assert parameters[f"{axis}.max_deceleration"] == -parameters[f"{axis}.max_acceleration"]
+            if np.isfinite(speed[i]):
+                assert parameters[f"{axis}.max_velocity"] == pytest.approx(speed[i], rel=1e-9)
+                assert parameters[f"{axis}.min_velocity"] == -parameters[f"{axis}.max_velocity"]
+            else:
+                assert f"{axis}.max_velocity" not in parameters
+    assert np.isinf(bounds.turn_rate[1])  # (15') is broken by the paper's vehicles 2 and 4
+
+
+def test_no_acceleration_passes_the_bound_and_some_come_near(draw_state):
+    fleet, gains = paper_fleet(), paper_gains().map(floats)
+    bounds = motion_bounds(float_numbers(), fleet.condition_data(paper_excitation()).map(floats), gains)
+    states = State(*(100 * column for column in draw_state(6, (3000,))))
+    psi = np.where(np.arange(3000) % 2, 1, -1)[:, None] * float(paper_excitation().bound)
+    rates = closed_loop(OPS, fleet.plant(), gains, psi, states)
+    for found, bound in ((rates.v, bounds.acceleration), (rates.omega, bounds.turn_acceleration)):
+        share = np.abs(found).max(axis=0) / bound
+        assert np.all(share < 1)
+        assert share.max() > 0.9
+
+
+def test_an_interface_is_of_ros_2(folder):
+    assert export(folder, "ros2", interface="velocity")
+    with pytest.raises(InputError, match="interface = 'velocity' is of the format ros2, not of c; leave it out"):
+        export(folder, "c", interface="velocity")
+    with pytest.raises(InputError, match="interface = 'torque' is not known; choose one of effort, velocity"):
+        export(folder, "ros2", interface="torque")
 
 
 # -- folders ----------------------------------------------------------------------------------------------------------
