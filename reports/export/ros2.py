@@ -92,7 +92,7 @@ def motion_parameters(deployed: Deployment) -> list[dict[str, str]]:
     bounds = motion_bounds(numbers, deployed.fleet.condition_data(deployed.excitation), deployed.gains)
     rows = []
     for v, omega, a, a_omega in zip(*bounds, strict=True):
-        limits = {}
+        limits: dict[str, Any] = {}
         for axis, speed, acceleration in (("linear.x", v, a), ("angular.z", omega, a_omega)):
             limits |= {f"{axis}.max_velocity": speed, f"{axis}.min_velocity": -speed}
             limits |= {f"{axis}.max_acceleration": acceleration, f"{axis}.max_deceleration": -acceleration}
