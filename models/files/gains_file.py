@@ -156,9 +156,8 @@ def _gains(path: Path, content: _Content, fleet: Fleet) -> Gains:
             )
     if mistakes:
         raise InputError(*mistakes)
-    network = {name: scales[name][0] for name in ("position", "heading") if name in scales}
-    by_name: dict[str, Any] = {**scales, **network}
-    return Gains(**gains, saturation=Saturation(**by_name))
+    network: dict[str, Any] = {name: scales[name][0] for name in ("position", "heading") if name in scales}
+    return Gains(**gains, saturation=Saturation(**{**scales, **network}))
 
 
 def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], mistakes: list[str]) -> list[Fraction]:
