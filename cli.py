@@ -224,7 +224,7 @@ def export(
     interface: cli.InterfaceOption = cli.Interface.effort,
     fleet: cli.FolderFleet = None,
 ) -> Outcome:
-    """Write the gains for robots, spreadsheets and papers."""
+    """Write the gains for robots, spreadsheets and papers, or the run for viewers of logs."""
     from .reports.export.formats import export as export_files
 
     paths = [str(path) for path in export_files(folder, kind.value, fleet, interface.value)]

@@ -48,6 +48,7 @@ class Format(StrEnum):
     latex = "latex"
     csv = "csv"
     markdown = "markdown"
+    mcap = "mcap"
 
 
 class Interface(StrEnum):
@@ -117,7 +118,7 @@ CertifiedFleet = Annotated[
 # init, export, report
 TemplateOption = Annotated[Template, typer.Option(help="the kind of fleet")]
 Vehicles = Annotated[int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for line and ring")]
-FormatOption = Annotated[Format, typer.Option("--format", help="the program or document that will read the gains")]
+FormatOption = Annotated[Format, typer.Option("--format", help="what will read the gains, or the run")]
 InterfaceOption = Annotated[Interface, typer.Option(help="what the ROS 2 node commands: wheel torques or twists")]
 Animate = Annotated[
     Animation | None, typer.Option(help="also write animation.gif, or animation.mp4 (which needs ffmpeg)")

@@ -37,6 +37,7 @@ TOOLS = {
     "yaml": (["yaml"], "pip install '.[test]'"),
     "z3": (["z3"], "pip install '.[test]'"),
     "xacro": (["xacro"], "pip install '.[robots]'"),
+    "mcap": (["mcap_ros2"], "pip install '.[test]'"),
     "mujoco": (["mujoco"], "pip install '.[robots]'"),
     "distributed": (["distributed"], "pip install '.[test]'"),
     "shared": ([str(SHARED)], "put the folder `shared` beside the project or name it in GAINCERT_SHARED"),

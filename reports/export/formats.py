@@ -1,4 +1,4 @@
-"""What `gaincert export` writes: one function per format, from a deployment to files (name -> text)."""
+"""What `gaincert export` writes: one function per format of gains, from a deployment to files; and logs of a run."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from ..escapes import no_formula
 from ..rendering import render
 from ..tables.gain_table import COLUMNS, CONTROLLER, rows
 
+RUN_LOG = "mcap"  # the format of a run; the others are of gains
 INTERFACES = ("effort", "velocity")
 LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
@@ -24,13 +25,18 @@ def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: s
 
     `interface` is what the ROS 2 node commands: wheel torques (effort) or twists (velocity).
     """
-    if kind not in FORMATS:
-        raise InputError(f"format = {kind!r} is not known; choose one of {', '.join(FORMATS)}")
+    if kind not in (*FORMATS, RUN_LOG):
+        raise InputError(f"format = {kind!r} is not known; choose one of {', '.join((*FORMATS, RUN_LOG))}")
     if interface not in INTERFACES:
         raise InputError(f"interface = {interface!r} is not known; choose one of {', '.join(INTERFACES)}")
     if interface != "effort" and kind != "ros2":
         raise InputError(f"interface = {interface!r} is of the format ros2, not of {kind}; leave it out")
-    deployed = load_deployment(folder, fleet_of_folder(folder, fleet_path))
+    fleet = fleet_of_folder(folder, fleet_path)
+    if kind == RUN_LOG:
+        from .run_log import write_run_log
+
+        return write_run_log(folder, fleet)
+    deployed = load_deployment(folder, fleet)
     files = ros2_files(deployed, interface) if kind == "ros2" else FORMATS[kind](deployed)
     return [write_text(folder / name, text) for name, text in files.items()]
 
