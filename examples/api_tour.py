@@ -19,25 +19,25 @@ def tour(folder: Path, settings: Settings = FAST) -> None:
     fleet = load_fleet(Path(__file__).parent / "turtlebot3_line.toml")
     print(f"{fleet.name}: {len(fleet)} vehicles, {fleet.graph.edges} links, {fleet.digest[:14]}...")
 
-    made = design(fleet, conditions="corrected", settings=settings)
-    print("p_v / N:", ", ".join(f"{float(p):g}" for p in made.gains.p_v), "found by the", made.origin)
-    print("psi is bounded by", float(made.excitation.bound))
+    designed = design(fleet, conditions="corrected", settings=settings)
+    print("p_v / N:", ", ".join(f"{float(p):g}" for p in designed.gains.p_v), "found by the", designed.origin)
+    print("psi is bounded by", float(designed.excitation.bound))
 
-    certificate = certify(fleet, made.excitation, made.gains, "corrected")
+    certificate = certify(fleet, designed.excitation, designed.gains, "corrected")
     certificate.write(folder / "certificate.json")  # raises InputError where it is not valid
     print(*certificate.facts, sep="\n")
 
-    bounds = torque_bound(exact_numbers(), fleet.condition_data(made.excitation), made.gains)
+    bounds = torque_bound(exact_numbers(), fleet.condition_data(designed.excitation), designed.gains)
     print("torque bounds (16*) / N m:", ", ".join(f"{float(bound):.4g}" for bound in bounds))
 
-    run = simulate(fleet, made.gains, made.excitation, horizon=60.0)
+    run = simulate(fleet, designed.gains, designed.excitation, horizon=60.0)
     print(f"{len(run.t)} stored points; x is {run.state.x.shape}, torques up to {abs(run.tau_left).max():.3g} N m")
     run.write(folder / "trajectory.npz")
     write_json(folder / "summary.json", summarize(fleet, run).to_json())
 
-    broken = made.gains.map(lambda gains: gains * 1000)
+    broken = designed.gains.map(lambda gains: gains * 1000)
     try:
-        certify(fleet, made.excitation, broken, "corrected").write(folder / "broken.json")
+        certify(fleet, designed.excitation, broken, "corrected").write(folder / "broken.json")
     except InputError as error:
         print("not certified:", error.mistakes[0])
 

@@ -183,13 +183,13 @@ def test_the_conditions_are_those_of_the_theorem(data, exact_gains):
         "o": floats(exact_gains.saturation.turn_rate),
     }
     bar = float(numbers.pop("psi_bar"))
-    found = [condition(float_numbers(), data.map(floats), exact_gains.map(floats)) for condition in ALL]
+    inequalities = [condition(float_numbers(), data.map(floats), exact_gains.map(floats)) for condition in ALL]
     motion = ("speed", "turn_rate", "acceleration", "turn_acceleration")
     names = ("degree", "r", "arm", "torque", *motion, "m", "inertia", *GAIN_NAMES, "s", "o")
     for i, (D, *own) in enumerate(zip(*(numbers[name] for name in names), strict=True)):
         expected = as_printed(D, bar, *own)
-        assert [sides.source for sides in found] == list(expected)
-        for sides, (small, large) in zip(found, expected.values(), strict=True):
+        assert [sides.source for sides in inequalities] == list(expected)
+        for sides, (small, large) in zip(inequalities, expected.values(), strict=True):
             assert (sides.small[i], sides.large[i]) == pytest.approx((small, large), rel=1e-13)
 
 
@@ -282,8 +282,8 @@ def test_elementwise_arithmetic_is_that_of_arrays(random):
     constant = Elementwise(cp.Constant(x))
     pairs = [(constant + y, x + y), (y + constant, y + x), (constant - y, x - y), (y - constant, y - x)]
     pairs += [(constant * y, x * y), (y * constant, y * x), (constant / y, x / y), (constant + constant, 2 * x)]
-    for found, expected in pairs:
-        assert found.expression.value == pytest.approx(expected, rel=1e-15)
+    for affine, expected in pairs:
+        assert affine.expression.value == pytest.approx(expected, rel=1e-15)
 
 
 # -- exactness --------------------------------------------------------------------------------------------------------

@@ -312,9 +312,9 @@ TABLE = {
 def test_each_mistake_has_its_line(case, tmp_path):
     old, new, expected = TABLE[case]
     assert GOOD.count(old) == 1, "the table must change one place"
-    found = mistakes(GOOD.replace(old, new), tmp_path)
-    assert len(found) == len(expected), found
-    for line, beginning in zip(found, expected, strict=True):
+    lines = mistakes(GOOD.replace(old, new), tmp_path)
+    assert len(lines) == len(expected), lines
+    for line, beginning in zip(lines, expected, strict=True):
         assert line.startswith(beginning)
 
 
@@ -325,9 +325,9 @@ def test_all_mistakes_of_a_file_come_at_once(tmp_path):
         old, new, (line,) = TABLE[case]
         text = text.replace(old, new)
         expected.append(line)
-    found = sorted(mistakes(text, tmp_path))
-    assert len(found) == 8
-    assert all(line.startswith(beginning) for line, beginning in zip(found, sorted(expected), strict=True))
+    lines = sorted(mistakes(text, tmp_path))
+    assert len(lines) == 8
+    assert all(line.startswith(beginning) for line, beginning in zip(lines, sorted(expected), strict=True))
 
 
 def test_an_empty_file_lacks_everything(tmp_path):

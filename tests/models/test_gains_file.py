@@ -37,8 +37,8 @@ def toml(folder: Path, text: str) -> Path:
     return path
 
 
-def columns_of(found: GainsFile) -> dict[str, list[Fraction]]:
-    return {name: list(getattr(found.gains, name)) for name in GAIN_NAMES}
+def columns_of(content: GainsFile) -> dict[str, list[Fraction]]:
+    return {name: list(getattr(content.gains, name)) for name in GAIN_NAMES}
 
 
 def refusal(path: Path, fleet: Fleet | None = None) -> list[str]:
@@ -57,8 +57,8 @@ def test_the_three_kinds_of_file_say_the_same(tmp_path: Path) -> None:
 
 
 def test_one_number_of_a_toml_file_is_for_all(tmp_path: Path) -> None:
-    found = load_gains(toml(tmp_path, "".join(f"{name} = 0.1\n" for name in GAIN_NAMES)), paper_fleet())
-    assert columns_of(found) == {name: [Fraction("0.1")] * 6 for name in GAIN_NAMES}
+    content = load_gains(toml(tmp_path, "".join(f"{name} = 0.1\n" for name in GAIN_NAMES)), paper_fleet())
+    assert columns_of(content) == {name: [Fraction("0.1")] * 6 for name in GAIN_NAMES}
 
 
 def test_the_files_own_psi_goes_before_the_fleets(tmp_path: Path) -> None:
@@ -71,9 +71,9 @@ def test_what_a_design_says_of_itself_is_kept(tmp_path: Path) -> None:
     fleet = paper_fleet()
     weights = fleet.links.model_dump(mode="json") | {"leader_links": {"v1": "3"}}
     path = design(tmp_path, conditions="corrected", fleet_digest=fleet.digest, weights=weights)
-    found = load_gains(path, fleet)
-    assert found.conditions == "corrected"
-    assert found.links is not None and found.links.leader_links == {"v1": 3}
+    content = load_gains(path, fleet)
+    assert content.conditions == "corrected"
+    assert content.links is not None and content.links.leader_links == {"v1": 3}
     plain = load_gains(design(tmp_path, conditions=7), fleet)
     assert plain.conditions is None and plain.links is None
 
@@ -162,10 +162,10 @@ def test_the_three_kinds_of_file_say_the_same_scales(tmp_path: Path) -> None:
         toml(tmp_path, "\n".join([*lines, "[saturation]", *scales])),
     ]
     for path in files:
-        found = load_gains(path, paper_fleet()).gains.saturation
-        assert (found.position, found.heading) == (Fraction("0.2"), Fraction("0.05")), path
-        assert list(found.speed) == [Fraction(value) for value in SCALES["speed"]]
-        assert list(found.turn_rate) == [Fraction("2.5")] * 6
+        scales = load_gains(path, paper_fleet()).gains.saturation
+        assert (scales.position, scales.heading) == (Fraction("0.2"), Fraction("0.05")), path
+        assert list(scales.speed) == [Fraction(value) for value in SCALES["speed"]]
+        assert list(scales.turn_rate) == [Fraction("2.5")] * 6
 
 
 def test_without_scales_they_are_1(tmp_path: Path) -> None:
@@ -197,6 +197,6 @@ def test_mistakes_in_scales(tmp_path: Path, scales: Any, said: str) -> None:
 def test_a_fleet_that_gives_scales_wants_them_in_the_file(tmp_path: Path) -> None:
     from gaincert.models.fleet_tables import SaturationTable
 
-    asked = paper_fleet().model_copy(update={"saturation": SaturationTable(position="0.3")})
-    said = refusal(table(tmp_path), asked)
+    scaled = paper_fleet().model_copy(update={"saturation": SaturationTable(position="0.3")})
+    said = refusal(table(tmp_path), scaled)
     assert said == ["has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"]

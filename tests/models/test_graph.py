@@ -38,12 +38,12 @@ def dense(graph):
 
 def reached(graph):
     """The vehicles that a path joins to the leader, by repeated relaxation."""
-    found = {i for i in range(graph.vehicles) if graph.leader_weight[i] > 0}
+    connected = {i for i in range(graph.vehicles) if graph.leader_weight[i] > 0}
     for _ in range(graph.vehicles):
         for i, j in zip(graph.tail, graph.head, strict=True):
-            if {int(i), int(j)} & found:
-                found |= {int(i), int(j)}
-    return found
+            if {int(i), int(j)} & connected:
+                connected |= {int(i), int(j)}
+    return connected
 
 
 def test_the_paper_s_graph(paper):
