@@ -27,7 +27,7 @@ def rounded(conditions: ConditionSet, data: ConditionData, gains: Gains, digits:
         raise UndecidedError("a solver returned gains that are not positive numbers")
     numbers = exact_numbers()
     exact = gains.map(lambda column: floor_digits(column, digits))
-    for condition in (conditions.torque, *conditions.homogeneous(data)):
+    for condition in (*conditions.bounding(data), *conditions.homogeneous(data)):
         exact = _lowered(exact, condition(numbers, data, exact), digits)
     for inequality in conditions.inequalities(numbers, data, exact):
         if not np.all(inequality.holds):
@@ -50,6 +50,8 @@ def _lowered(gains: Gains, inequality: Inequality, digits: int) -> Gains:
     broken = ~np.asarray(inequality.holds, dtype=bool)
     if not broken.any():
         return gains
+    if any(small == math.inf for small in inequality.small[broken]):
+        raise UndecidedError(f"rounding to {digits} digits breaks {inequality.source}; ask for more --digits")
     # One unit in the last place below large / small makes a strict inequality strict.
     shrink = 1 - Fraction(1, 10 ** (digits + 2))
     scale = inequality.large / inequality.small * shrink

@@ -60,16 +60,25 @@ def structured(scalars: Scalars, m: Array, inertia: Array, degree: Array) -> Gai
 def within(conditions: ConditionSet, data: ConditionData, gains: Gains) -> Gains:
     """The gains (floats) moved into the conditions, vehicle by vehicle; always possible, in closed form.
 
-    Each condition but the torque limit is homogeneous: it is met by lowering the gains in which its small side is
-    linear, and stays met when later ones are. The torque limit comes last and scales all gains of a vehicle together.
+    Conditions on ratios of gains come first: each is met by lowering the gains that scale its small side, and stays
+    met when later ones are. Torque and acceleration limits come last and scale the gains of a channel or all together.
     """
     numbers = float_numbers()
-    for condition in (*conditions.homogeneous(data), conditions.torque):
-        gains = lowered(gains, condition(numbers, data, gains))
+    for condition in (*conditions.homogeneous(data), *conditions.bounding(data)):
+        inequality = condition(numbers, data, gains)
+        while np.any(unbounded := np.isinf(inequality.small) & np.isfinite(inequality.large)):
+            gains = _scaled(gains, inequality, np.where(unbounded, 0.5, 1.0))
+            inequality = condition(numbers, data, gains)
+        gains = lowered(gains, inequality)
     return gains
 
 
-def lowered(gains: Gains, broken: Inequality) -> Gains:
+def lowered(gains: Gains, inequality: Inequality) -> Gains:
     """The gains with those that scale the small side of an inequality lowered until it holds with a little room."""
-    scale = np.minimum(1.0, INWARD * broken.large / broken.small)
-    return replace(gains, **{name: getattr(gains, name) * scale for name in broken.scaled})
+    limited = np.isfinite(inequality.large)
+    small = np.where(limited, inequality.small, 1.0)
+    return _scaled(gains, inequality, np.minimum(1.0, np.where(limited, INWARD * inequality.large / small, 1.0)))
+
+
+def _scaled(gains: Gains, inequality: Inequality, factor: Array) -> Gains:
+    return replace(gains, **{name: getattr(gains, name) * factor for name in inequality.scaled})

@@ -213,7 +213,8 @@ def _conditions(plant: Plant, data: ConditionData, conditions: ConditionSet, sca
 
     With structured gains the degree cancels in each of them: vehicles of one kind share their conditions.
     """
-    kinds = np.stack([plant.m, plant.inertia, data.r, data.arm, data.torque, data.speed, data.turn_rate])
+    limits = (data.torque, data.speed, data.turn_rate, data.wheel_speed, data.acceleration, data.turn_acceleration)
+    kinds = np.stack([plant.m, plant.inertia, data.r, data.arm, *limits])
     _, first = np.unique(kinds, axis=1, return_index=True)
 
     def of_each_kind(values: Any) -> Any:
@@ -222,6 +223,7 @@ def _conditions(plant: Plant, data: ConditionData, conditions: ConditionSet, sca
     numbers = data.map(of_each_kind)
     gains = structured(scalars, of_each_kind(plant.m), of_each_kind(plant.inertia), numbers.degree)
     inequalities = [
-        condition(casadi_numbers(), numbers, gains) for condition in (conditions.torque, *conditions.homogeneous(data))
+        condition(casadi_numbers(), numbers, gains)
+        for condition in (*conditions.bounding(data), *conditions.homogeneous(data))
     ]
     return [INWARD - inequality.small / inequality.large for inequality in inequalities]

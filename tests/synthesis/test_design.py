@@ -12,12 +12,12 @@ from typing import Any
 import numpy as np
 import pytest
 from gaincert.models.arrays import floats
-from gaincert.models.conditions import CONDITION_SETS, exact_numbers, float_numbers
+from gaincert.models.conditions import CONDITION_SETS, condition_set, exact_numbers, float_numbers
 from gaincert.models.errors import InfeasibleError, InputError, UndecidedError
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.numbers import decimal_text
-from gaincert.models.paper import paper_fleet, paper_gains
+from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.parallel import local
@@ -311,3 +311,21 @@ def test_the_convex_programs_may_run_elsewhere_and_change_nothing() -> None:
         assert one.origin == other.origin
         assert all((a == b).all() for a, b in zip(vars(one.gains).values(), vars(other.gains).values(), strict=True))
     assert {candidate.origin for candidate in alone[0]} == {"averaged program", "convex programs"}
+
+
+def test_limits_of_wheels_and_accelerations_are_designed_for() -> None:
+    """Random gains far outside every limit are moved inside, exactly, by the closed form and by rounding."""
+    limits = {"speed": 1, "turn_rate": 2, "wheel_speed": 30, "acceleration": "0.5", "turn_acceleration": 1}
+    content = paper_fleet().model_dump(mode="json", by_alias=True)
+    for vehicle in content["vehicle"]:
+        vehicle["limits"] = limits
+    fleet = Fleet.model_validate(content)
+    conditions = condition_set("rate-bounded")
+    exact = fleet.condition_data(paper_excitation())
+    random = np.random.default_rng(0)
+    for _ in range(20):
+        wild = Gains(*np.exp(random.uniform(-2, 8, (5, len(fleet)))))
+        gains = rounded(conditions, exact, within(conditions, exact.map(floats), wild), 5)
+        sources = [one.source for one in conditions.inequalities(exact_numbers(), exact, gains)]
+        assert {"wheel speed limit", "acceleration limit", "turn acceleration limit"} <= set(sources)
+        assert all(one.holds.all() for one in conditions.inequalities(exact_numbers(), exact, gains))
