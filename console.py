@@ -1,4 +1,4 @@
-"""Where the words of the command line go: to a reader, or one JSON document to a program."""
+"""The output of the command line: text for a reader, or one JSON document for a program."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ from typing import Any
 from .models.errors import one_line, write_error
 from .models.warning_lines import show_warnings
 
-READER_LEFT = 141  # the exit code where nobody reads standard output any more, as a shell says it of SIGPIPE
+READER_LEFT = 141  # nobody reads standard output any more; 128 + 13: the exit code shells use after SIGPIPE
 
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a verb came to: the JSON document that it prints, and its exit code."""
+    """The result of a verb: the JSON document that it prints, and its exit code."""
 
     document: Any  # JSON
     exit_code: int = 0  # 0 done and true, 1 a claim is false, 4 undecided
@@ -32,7 +32,7 @@ class Outcome:
 
 
 class Printer:
-    """Where a verb's words, document and progress go."""
+    """Prints a verb's text, document and progress."""
 
     def __init__(self, json: bool, quiet: bool, verbose: bool) -> None:
         """Keep the three switches that every verb has."""
@@ -40,13 +40,13 @@ class Printer:
         show_warnings(logging.ERROR if quiet else logging.WARNING)
 
     def silent(self) -> Printer:
-        """The same, but for words and documents: for work inside a job that says more itself."""
-        other = copy(self)  # which leaves warnings as they are
+        """The same printer, but without text and documents: for a verb that another verb calls."""
+        other = copy(self)  # unlike a new Printer, a copy does not change which warnings are shown
         other.json, other.quiet, other.verbose = False, True, False
         return other
 
     def say(self, *lines: Any) -> None:
-        """Print for a reader: to standard output, or to standard error where a document is asked for."""
+        """Print for a reader: to standard output, or to standard error if standard output is for the document."""
         if self.quiet:
             return
         from rich.console import Console
@@ -62,12 +62,12 @@ class Printer:
                     console.print(line)
 
     def detail(self, *lines: Any) -> None:
-        """Print where the reader asked for more."""
+        """Print only with --verbose."""
         if self.verbose:
             self.say(*lines)
 
     def document(self, content: Any) -> None:
-        """Print the one JSON document, where it is asked for."""
+        """Print the JSON document, with --json only."""
         if self.json:
             with _output():
                 sys.stdout.write(json_module.dumps(content, indent=1, allow_nan=False) + "\n")
@@ -87,7 +87,7 @@ class Printer:
 
 
 def flush() -> None:
-    """Hand over what was said. Raises FaultError where standard output does not take it, which is then dropped."""
+    """Flush standard output. Raises FaultError if that fails; the text is then dropped."""
     try:
         with _output():
             sys.stdout.flush()
@@ -98,10 +98,10 @@ def flush() -> None:
 
 @contextmanager
 def _output() -> Iterator[None]:
-    """What the system says of standard output as an exit: a message, or none where the reader has left."""
+    """Turn errors of standard output into exits: with a message, or with none if nobody reads it any more."""
     try:
         yield
-    except (BrokenPipeError, SystemExit):  # rich makes an exit of the one
+    except (BrokenPipeError, SystemExit):  # rich turns a broken pipe into SystemExit
         raise SystemExit(READER_LEFT) from None
     except OSError as error:
         raise write_error("standard output", error) from None

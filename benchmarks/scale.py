@@ -24,7 +24,7 @@ from benchmarks.c_limit import Compiled, compile_library
 from benchmarks.certificate_scale import large_fleet, scaled_gains
 
 TOLERANCE = 1e-8
-CVODES_UP_TO = 1000  # vehicles, where its answer is compared
+CVODES_UP_TO = 1000  # vehicles; up to this size the result is compared with CVODES
 
 
 def measure(n: int, seconds: float) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def measure(n: int, seconds: float) -> dict[str, Any]:
     loop = ClosedLoop.of(fleet, scaled_gains(fleet), fleet.psi)  # type: ignore[arg-type]
     start = random_starts(fleet, 1, 0)[0]
     x, library, row = np.concatenate(start), compile_library(), {"vehicles": n, "edges": loop.plant.graph.edges}
-    # In turn, in quarters, so that both see the same machine.
+    # Run both alternately, a quarter each, so that machine load affects both alike.
     ours, limit, spent, spent_limit = x, x, 0.0, 0.0
     engine = Dopri5(loop, step=seconds, piece=seconds, tolerance=TOLERANCE)
     compiled = Compiled(library, loop) if library else None

@@ -1,8 +1,8 @@
 """The conditions on the gains, once: (15), (15'), (16), (16*) and the certified speed limits.
 
 Each function returns an `Inequality` with one entry per vehicle, over floats, exact fractions, cvxpy expressions or
-SymPy numbers: `Numbers` says how each of them takes a norm. For fractions the irrational parts are enclosed in the
-safe direction, so that an inequality that holds in fractions holds in truth.
+SymPy numbers: `Numbers` has their norm, tanh and atanh. For fractions the irrational parts are rounded in the
+safe direction: an inequality that holds for the fractions is true.
 """
 
 from __future__ import annotations
@@ -22,11 +22,11 @@ from .gains import GAIN_NAMES, Gains
 
 @dataclass(frozen=True)
 class Numbers:
-    """What the conditions need beyond + - * /."""
+    """The functions that the conditions need beside + - * /."""
 
     sqrt2_norm: Callable[..., Array]  # sqrt2 times the Euclidean norm of its arguments; rounded up where inexact
     tanh: Callable[[Array], Array]  # of a positive constant; rounded down where inexact; inf for an infinite argument
-    atanh: Callable[[Array], Array] | None  # of numbers >= 0; rounded up where inexact; inf from 1 on; None: not there
+    atanh: Callable[[Array], Array] | None  # of numbers >= 0; rounded up where inexact; inf from 1 on; None: missing
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,10 +34,11 @@ class Inequality:
     """small <= large (or <, where strict) for every vehicle."""
 
     source: str  # the equation it comes from
-    quantity: str  # what `small` is, in words with its unit
+    quantity: str  # the name of `small`, with its unit
     small: Array  # (N,)
     large: Array  # (N,)
-    scaled: tuple[str, ...]  # gains in which `small` is linear and on which `large` does not depend
+    # `small` is linear in these gains, for the wheel speed convex and 0 with them; `large` does not contain them.
+    scaled: tuple[str, ...]
     strict: bool = False
 
     @property
@@ -60,8 +61,8 @@ class ConditionData:
     r: Array  # (N,), m, wheel radius
     arm: Array  # (N,), m, |lever arm|: 2R in (2) as printed, R on a physical drive
     torque: Array  # (N,), N m, min of the left and right limit
-    speed: Array  # (N,), m/s, math.inf where none is asked for
-    turn_rate: Array  # (N,), rad/s, math.inf where none is asked for, and so are the limits below
+    speed: Array  # (N,), m/s, math.inf without a limit
+    turn_rate: Array  # (N,), rad/s, math.inf without a limit; the limits below likewise
     wheel_speed: Array  # (N,), rad/s, of either wheel
     acceleration: Array  # (N,), m/s^2
     turn_acceleration: Array  # (N,), rad/s^2
@@ -204,7 +205,7 @@ def casadi_numbers() -> Numbers:
     tanh = _tanh_or(math.inf)
 
     def atanh(q: Array) -> Array:
-        inside = ca.fmin(q, 1 - 1e-9)  # what is 1 or more is as good as broken
+        inside = ca.fmin(q, 1 - 1e-9)  # from 1 on the condition is violated by far
         return ca.log((1 + inside) / (1 - inside)) / 2
 
     return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(tanh(ca.DM(q).full())), atanh)
@@ -227,7 +228,7 @@ def _squares(first: Array, *rest: Array) -> Array:
 
 
 def _tanh_or(without_limit: float) -> Callable[[Array], Array]:
-    """Tanh of floats, and `without_limit` where the argument is infinite: no limit is asked for there."""
+    """Tanh of floats, and `without_limit` for an infinite argument: the fleet sets no limit there."""
     return lambda q: np.where(np.isinf(q), without_limit, np.tanh(np.asarray(q, dtype=float)))
 
 
@@ -241,22 +242,22 @@ NEVER_BINDS = 1e6  # in place of infinity, which a solver does not take
 
 @dataclass(frozen=True)
 class ConditionSet:
-    """A set of conditions from this module, sufficient for the theorem that is named."""
+    """A set of conditions from this module, and the theorem that it is sufficient for."""
 
     name: str
     theorem: str
     sources: tuple[str, ...]
-    torque: Condition  # the one that keeps the torques within their limits
+    torque: Condition  # the condition that keeps the torques within their limits
     others: tuple[Condition, ...]
 
     def inequalities(self, numbers: Numbers, data: ConditionData, gains: Gains) -> list[Inequality]:
-        """All conditions, with the limits that the fleet asks for, as far as `numbers` can say them."""
+        """All conditions, with the limits that the fleet asks for. Without atanh the wheel-speed limit is left out."""
         conditions = (*self.bounding(data), *self.homogeneous(data))
         known = (c for c in conditions if c is not wheel_speed_condition or numbers.atanh is not None)
         return [condition(numbers, data, gains) for condition in known]
 
     def bounding(self, data: ConditionData) -> list[Condition]:
-        """The conditions that lowering gains together makes true: torque limits and accelerations."""
+        """The conditions that can always be met by scaling all gains down: torque limits and accelerations."""
         asked = (
             (acceleration_condition, data.acceleration),
             (turn_acceleration_condition, data.turn_acceleration),
@@ -264,7 +265,7 @@ class ConditionSet:
         return [self.torque, *_asked_for(asked)]
 
     def homogeneous(self, data: ConditionData) -> list[Condition]:
-        """The conditions that scaling all gains together leaves as they are: those on ratios of gains."""
+        """The conditions on ratios of gains: scaling all gains together does not change them."""
         asked = (
             (speed_condition, data.speed),
             (turn_rate_condition, data.turn_rate),

@@ -20,7 +20,8 @@ from .graph import Graph
 def potential(ops: Ops, graph: Graph, scale: Array, z: Array, z_leader: Array) -> Array:
     """sum_i a_il l log cosh((z_i - z_l) / l) + sum over edges of a_ij l log cosh((z_i - z_j) / l), with the scale l.
 
-    Its gradient is (8) or (10). The 1/2 of (17) and (19) is the one that undoes their counting every edge twice.
+    Its gradient is (8) or (10). (17) and (19) count each edge twice and halve. Here each edge counts once, so
+    there is no 1/2.
     """
     to_leader = graph.leader_weight * scale * ops.log_cosh((z - z_leader) / scale)
     between = graph.weight * scale * ops.log_cosh(ops.edge_difference(graph, z) / scale)

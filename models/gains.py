@@ -1,4 +1,4 @@
-"""The controller's numbers: five gains per vehicle and the saturation scales that they go with."""
+"""The controller's numbers: five gains per vehicle, and the saturation scales."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class Gains:
         return Gains(**gains, saturation=self.saturation.map(convert))
 
     def local(self) -> Gains:
-        """The gains of unit scales that move the fleet alike near the goal: slopes at 0 of every saturation, (N,)."""
+        """The unit-scale gains with the same linearisation at the goal, (N,)."""
         scale = self.saturation
         return Gains(
             p_v=self.p_v / scale.position,

@@ -22,7 +22,7 @@ def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Map
     neighbours: dict[str, list[str]] = {}
     for name in names:
         if name in neighbours:
-            mistakes.append(f"vehicle {name!r}: the name stands twice; names must differ")
+            mistakes.append(f"vehicle {name!r}: two vehicles have this name; names must differ")
         neighbours[name] = []
     seen = set()
     for a, b, *_ in edges:
@@ -33,7 +33,7 @@ def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Map
         if a == b:
             mistakes.append(f"graph: edge {a!r} - {b!r} joins a vehicle to itself; remove it")
         elif pair in seen:
-            mistakes.append(f"graph: edge {a!r} - {b!r} stands twice; keep one, with the sum of the weights")
+            mistakes.append(f"graph: edge {a!r} - {b!r} is listed twice; keep one, with the sum of the weights")
         seen.add(pair)
         if a in neighbours and b in neighbours:
             neighbours[a].append(b)

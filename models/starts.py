@@ -1,4 +1,4 @@
-"""Initial states: random ones around a fleet's own scale."""
+"""Random initial states, by default at the fleet's own scale."""
 
 from __future__ import annotations
 
@@ -12,9 +12,9 @@ from .fleet import Fleet
 
 
 class Draw(IntEnum):
-    """What random starts are drawn for: a seed gives each purpose its own, so that a design is validated on others."""
+    """The purpose of random starts. Each has its own starts, so a design is validated on starts it never saw."""
 
-    VALIDATION = 0  # what [seed, number] alone would draw
+    VALIDATION = 0  # the same starts as without this third number of the seed
     RANKING = 1
     TRAINING = 2
     COMPARISON = 3
@@ -22,9 +22,9 @@ class Draw(IntEnum):
 
 
 def scale(fleet: Fleet) -> float:
-    """How far the fleet starts from its goal, m: the largest coordinate difference, or the formation's size if larger.
+    """The scale of the fleet, m: max(largest start offset along x or y, size of the formation), at least 0.1 m.
 
-    A fleet without starts is taken to begin twice its formation's size away, and at least 1 m.
+    For a fleet without starts it is twice the size of the formation, at least 1 m.
     """
     plant = fleet.plant()
     size = float(np.ptp(plant.offset_x) + np.ptp(plant.offset_y))
@@ -40,8 +40,7 @@ def random_starts(
 ) -> list[State]:
     """`count` starts at rest: positions uniform in a square around the goal, headings uniform in (-pi, pi).
 
-    `half_width` (m) is half the side of the square; the fleet's own scale where it is None. `draw` says what
-    they are for.
+    `half_width` (m) is half the side of the square; None takes the fleet's own scale. `draw` is their purpose.
     """
     plant, half = fleet.plant(), scale(fleet) if half_width is None else half_width
     rest = np.zeros(len(fleet))

@@ -1,4 +1,4 @@
-"""What may surprise an engineer in a vehicle's table: a centre of mass off the axle, a start whole turns away."""
+"""Notes on surprising entries of a vehicle: a centre of mass off the axle, a start some turns away from the goal."""
 
 from __future__ import annotations
 
@@ -8,19 +8,19 @@ from .fleet import Fleet
 from .fleet_tables import Leader, Vehicle
 from .numbers import nominal
 
-OFF_AXLE = 0.01  # share of the track from which on a centre of mass off the axle's middle is said
+OFF_AXLE = 0.01  # report an offset of the centre of mass above this share of the track
 NAMED = 10  # vehicles that a note names
 
 
 def centre_of_mass_note(fleet: Fleet) -> str | None:
-    """Which centres of mass lie off the axle's middle, and what that means; None where all are near it."""
+    """Which centres of mass lie off the middle of the axle, and what that means; None if all are near it."""
     off = [vehicle for vehicle in fleet.vehicles if is_off_axle(vehicle)]
     if not off:
         return None
     named = "; ".join(f"{vehicle.name!r} {place_of_mass(vehicle)}" for vehicle in off[:NAMED])
     more = f"; and {len(off) - NAMED} more" if len(off) > NAMED else ""
     return (
-        f"the centre of mass is off the middle of the axle: {named}{more}. All results are of (2), which ignores that"
+        f"the centre of mass is off the middle of the axle: {named}{more}. All results hold for (2), which ignores that"
     )
 
 
@@ -42,9 +42,9 @@ def place_of_mass(vehicle: Vehicle) -> str:
 
 
 def heading_hint(vehicle: Vehicle, leader: Leader) -> str | None:
-    """A start more than half a turn from the leader's heading, and the same pose that is nearer; None where it is not.
+    """A note on a start more than half a turn from the leader's heading; it names the nearest heading of the same pose.
 
-    Headings lie on the real line: a vehicle turns all the way that its number says.
+    None if the start is within half a turn. Headings lie on the real line: a vehicle turns back every whole turn.
     """
     if vehicle.start is None:
         return None

@@ -85,7 +85,7 @@ def load_deployment(folder: Path, fleet: Fleet) -> Deployment:
     certified = _certified(certificate, fleet) if certificate.is_file() else None
     if designed and certified and designed.digests != certified.digests:
         raise InputError(
-            f"{certificate}: is not of the gains in design.json; "
+            f"{certificate}: does not belong to the gains in design.json; "
             f"run gaincert certify FLEET.toml --gains {design} -o {folder}"
         )
     found = certified or designed

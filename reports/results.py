@@ -12,7 +12,7 @@ from ..models.digests import KEYS, Digests
 from ..models.errors import InputError
 from .tables.designs_table import read_json
 
-AGAIN = {  # how a file is made again; those that say most of the gains first
+AGAIN = {  # file -> verb that writes it; the file that says most about the gains comes first
     "certificate.json": "certify",
     "design.json": "design",
     "summary.json": "simulate",
@@ -28,7 +28,7 @@ class Part(BaseModel):
 
 
 class ResultFile(Part):
-    """What every file says of its origin."""
+    """The digests and versions in every file."""
 
     fleet_digest: str = ""
     gains_digest: str = ""
@@ -36,7 +36,7 @@ class ResultFile(Part):
 
     @property
     def digests(self) -> Digests:
-        """What it belongs to."""
+        """The digests of the fleet and gains that the file belongs to."""
         return Digests(self.fleet_digest, self.gains_digest)
 
 
@@ -72,7 +72,7 @@ class RunResult(ResultFile):
     """summary.json, or the nominal run in it."""
 
     settling_time_s: float | None
-    approach: str | None = None  # what the error does at the end, where not settled
+    approach: str | None = None  # how the error moves at the end, if the run has not settled
     tolerance: ToleranceResult
     horizon_s: float
     peak_torque_ratio: float
@@ -133,7 +133,7 @@ class Results:
 
     folder: Path
     design: DesignResult | None
-    certificate: dict[str, Any] | None  # unread: the kernel reads it
+    certificate: dict[str, Any] | None  # not parsed here: the kernel reads it
     run: RunResult | None
     many_starts: ManyStartsResult | None
     claims: list[ClaimResult] = field(default_factory=list)
@@ -144,7 +144,7 @@ class Results:
         return not (self.design or self.certificate or self.run or self.many_starts or self.claims)
 
     def without(self, names: list[str]) -> Results:
-        """The same, without these files."""
+        """The same results without these files."""
         return Results(
             self.folder,
             None if "design.json" in names else self.design,
@@ -159,7 +159,7 @@ Model = TypeVar("Model")
 
 
 def read_results(folder: Path) -> Results:
-    """The results in a folder. Raises InputError where a file is not JSON or not of this version."""
+    """The results in a folder. Raises InputError if a file is not JSON or was written by another version."""
     certificate = read_json(folder / "certificate.json")
     return Results(
         folder,
@@ -183,22 +183,22 @@ def _read(path: Path, kind: type[Model]) -> Model | None:
         if isinstance(error, ValidationError):
             first = error.errors()[0]
             reason = f" ({'.'.join(map(str, first['loc'])) or 'the whole'}: {first['msg']})"
-        raise InputError(f"{path}: is not of this version{reason}; write it again") from None
+        raise InputError(f"{path}: was not written by this version{reason}; write it again") from None
 
 
 def current_digests(folder: Path) -> Digests | None:
-    """What the folder is of, from the first file that says so; None where none does."""
+    """The digests of the fleet and gains in this folder, from the first file that has them; else None."""
     found = (_digests_of(folder / name) for name in AGAIN if (folder / name).is_file())
     return next((digests for digests in found if all(digests)), None)
 
 
 def stale_files(folder: Path, current: Digests) -> list[str]:
-    """The files in a folder that are of another fleet or other gains than the current ones, or do not say."""
+    """The files in a folder whose digests of fleet and gains are missing or differ from the current ones."""
     return [name for name in AGAIN if (folder / name).is_file() and _digests_of(folder / name) != current]
 
 
 def _digests_of(path: Path) -> Digests:
-    """What a file says that it is of; empty texts where it does not, or cannot be read."""
+    """The digests in a file; empty texts if it has none or cannot be read."""
     from ..verify.simulation.trajectory import read_labels
 
     try:
@@ -206,7 +206,7 @@ def _digests_of(path: Path) -> Digests:
     except InputError:
         return Digests("", "")
     if path.name == "certificate.json" and isinstance(content, dict):
-        # The kernel checks the fleet's digest; that of the gains it does not read.
+        # The kernel checks the fleet's digest. It does not read the digest of the gains.
         provenance = content.get("provenance")
         gains = provenance.get("gains_digest") if isinstance(provenance, dict) else None
         content = dict(zip(KEYS, (content.get("digest"), gains), strict=True))
@@ -214,9 +214,9 @@ def _digests_of(path: Path) -> Digests:
 
 
 def say_stale(names: list[str]) -> str:
-    """What is to be done about stale files, for a reader; empty where there are none."""
+    """The remedy for stale files, as a sentence; empty without any."""
     if not names:
         return ""
     verbs = ", ".join(dict.fromkeys(f"gaincert {AGAIN[name]}" for name in names))
     verb = "are" if len(names) > 1 else "is"
-    return f"{', '.join(names)} {verb} of other gains or another fleet: run {verbs} again"
+    return f"{', '.join(names)} {verb} from other gains or another fleet: run {verbs} again"

@@ -1,4 +1,4 @@
-"""The slowest modes of D^-1 L_l: what is left of a fleet's errors in the end has their shape."""
+"""The slowest modes of D^-1 L_l. The last remaining errors have the shape of these modes."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..models.graph import Graph
 
 Floats = NDArray[np.float64]
 
-MODES = 8  # that are looked at in a large fleet
+MODES = 8  # number of modes used in a large fleet
 
 
 @dataclass(frozen=True)

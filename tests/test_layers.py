@@ -79,7 +79,7 @@ def test_no_two_files_import_each_other() -> None:
 
 
 def test_a_planted_circle_is_found(tmp_path: Path) -> None:
-    """Over three files, one import of which hides in a function and one under TYPE_CHECKING."""
+    """The circle goes through three files. One import is inside a function, one under TYPE_CHECKING."""
     (tmp_path / "a.py").write_text("from .b import x\n")
     (tmp_path / "b.py").write_text("def f():\n    from . import c\n")
     (tmp_path / "c.py").write_text("from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from .a import y\n")

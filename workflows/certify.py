@@ -27,7 +27,7 @@ def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: 
         broken = certificate.violations or (certificate.verdict,)
         printer.say("not certified:", *map(str, broken))
         if path.is_file():
-            printer.say(f"{path} is older and of other gains or conditions")
+            printer.say(f"{path} is older and belongs to other gains or conditions")
     printer.detail(*(f"note: {note}" for note in certificate.notes))
     return certificate
 

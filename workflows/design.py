@@ -38,12 +38,12 @@ class DesignOptions:
 
 @dataclass(frozen=True)
 class Designed:
-    """What `design` came to."""
+    """The results of `design`."""
 
     design: Design
     document: dict[str, Any]  # the content of design.json
     certificate: Certificate
-    obstacles: list[Obstacle]  # what makes it useless on its robots
+    obstacles: list[Obstacle]  # reasons why the robots cannot use the gains
 
 
 def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions) -> Design:
@@ -74,7 +74,7 @@ def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, An
 
 
 def design_fleet(printer: Printer, fleet: Fleet, options: DesignOptions, folder: Path) -> Designed:
-    """Design, write design.json, gains.csv and certificate.json, and name older results that are of other gains."""
+    """Design, write design.json, gains.csv and certificate.json, and list older files that belong to other gains."""
     from ..models.digests import Digests
     from ..reports.results import say_stale, stale_files
 

@@ -21,7 +21,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Pipeline:
-    """All steps for one fleet into one folder; false where a claim is, or where the robots cannot use the gains."""
+    """All steps for one fleet into one folder.
+
+    The outcome is false if the certificate is not valid, the theorem is not proved, a run breaks a promise, or the
+    robots cannot use the gains.
+    """
 
     printer: Printer
     fleet: Fleet

@@ -8,7 +8,7 @@ import sympy as sp
 
 
 class log_cosh(sp.Function):  # type: ignore[misc]  # noqa: N801 -- SymPy names functions as they are printed
-    """ln(cosh(s)), kept whole so that differentiation gives tanh(s) and nothing else."""
+    """ln(cosh(s)). SymPy does not expand it, so its derivative is tanh(s)."""
 
     @classmethod
     def eval(cls, s: Any) -> Any:

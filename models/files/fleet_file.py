@@ -105,7 +105,7 @@ def _with_tables(content: dict[str, Any], folder: Path) -> dict[str, Any]:
             if twice := [
                 name for name, rows_of_it in Counter(row["vehicle"] for row in rows).items() if rows_of_it > 1
             ]:
-                raise InputError(*(f"{leaders}: vehicle {name!r} stands twice; keep one row" for name in twice))
+                raise InputError(*(f"{leaders}: vehicle {name!r} is listed twice; keep one row" for name in twice))
             graph["leader_links"] = {row["vehicle"]: row["weight"] for row in rows}
     return content
 

@@ -25,7 +25,7 @@ def load_starts(path: Path, fleet: Fleet) -> list[State]:
     for number, row in enumerate(read_csv(path, COLUMNS), 2):
         vehicle = index.get(row["vehicle"])
         if vehicle is None or vehicle in found.setdefault(row["start"], {}):
-            why = "there is no such vehicle" if vehicle is None else "it stands twice"
+            why = "there is no such vehicle" if vehicle is None else "it is listed twice"
             raise InputError(f"{path}: row {number}: start {row['start']!r}, vehicle {row['vehicle']!r}: {why}")
         try:
             found[row["start"]][vehicle] = [float(exact(row[key])) for key in COLUMNS[2:]]

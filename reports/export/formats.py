@@ -1,4 +1,4 @@
-"""What `gaincert export` writes: one function per format of gains, from a deployment to files; and logs of a run."""
+"""The formats of `gaincert export`: one function per format turns a deployment into files; `mcap` logs a run."""
 
 from __future__ import annotations
 
@@ -14,14 +14,14 @@ from ..escapes import no_formula
 from ..rendering import render
 from ..tables.gain_table import COLUMNS, CONTROLLER, rows
 
-RUN_LOG = "mcap"  # the format of a run; the others are of gains
+RUN_LOG = "mcap"  # the only format that exports a run; the others export gains
 INTERFACES = ("effort", "velocity")
 LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
 
 
 def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: str = "effort") -> list[Path]:
-    """Write one format of what lies in a folder, each file whole or not at all. Raises InputError.
+    """Write one format of the results in a folder, each file whole or not at all. Raises InputError.
 
     `interface` is what the ROS 2 node commands: wheel torques (effort) or twists (velocity).
     """
@@ -30,7 +30,7 @@ def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: s
     if interface not in INTERFACES:
         raise InputError(f"interface = {interface!r} is not known; choose one of {', '.join(INTERFACES)}")
     if interface != "effort" and kind != "ros2":
-        raise InputError(f"interface = {interface!r} is of the format ros2, not of {kind}; leave it out")
+        raise InputError(f"interface = {interface!r} belongs to the format ros2, not to {kind}; leave it out")
     fleet = fleet_of_folder(folder, fleet_path)
     if kind == RUN_LOG:
         from .run_log import write_run_log
@@ -42,7 +42,7 @@ def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: s
 
 
 def csv_files(deployed: Deployment) -> dict[str, str]:
-    """The gain table with its origin in every row, safe to open in a spreadsheet."""
+    """The gain table; each row repeats the digests that say where it comes from. Safe to open in a spreadsheet."""
     evidence = deployed.evidence
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")

@@ -42,7 +42,7 @@ def ros2_files(deployed: Deployment, interface: str = "effort") -> dict[str, str
 
 
 def namespaces(names: list[str]) -> list[str]:
-    """A ROS namespace for each vehicle: its name where ROS takes all of them, else its number."""
+    """ROS namespaces: the vehicles' names if ROS accepts every name of the fleet, otherwise `vehicle_0`, ..."""
     if all(_ROS_NAME.fullmatch(name) and "__" not in name for name in names):
         return names
     return [f"vehicle_{i}" for i in range(len(names))]

@@ -92,7 +92,7 @@ def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
         page = render("report.html", **vars(_page(results, fleet)))
     except (*_MALFORMED, undefined_error()) as error:
         raise InputError(
-            f"{folder}: a file in it is not of this version ({type(error).__name__}: {error}); write it again"
+            f"{folder}: a file in it was not written by this version ({type(error).__name__}: {error}); write it again"
         ) from None
     return write_text(folder / "report.html", page)
 

@@ -47,7 +47,7 @@ def condition_rows(deployed: Deployment) -> list[ConditionRow]:
 
 
 def _tightest(side: Inequality) -> tuple[float, str, int]:
-    """The largest small / large over the vehicles, with its source and vehicle."""
+    """The largest ratio small / large over the vehicles, with its source and vehicle."""
     pairs = zip(side.small, side.large, strict=True)
     shares = [float(small / large) if large != math.inf else 0.0 for small, large in pairs]
     vehicle = max(range(len(shares)), key=shares.__getitem__)

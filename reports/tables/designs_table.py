@@ -78,7 +78,7 @@ def _row(place: Path, name: str) -> DesignRow:
             times=tuple(times),
         )
     except (KeyError, TypeError, ValueError, AttributeError):
-        raise InputError(f"{place}: a file in it is not of this version; write it again") from None
+        raise InputError(f"{place}: a file in it was not written by this version; write it again") from None
 
 
 def _time(time: float) -> str:

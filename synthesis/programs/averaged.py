@@ -209,9 +209,9 @@ def _approach(scalars: Scalars, distance: float) -> Any:
 
 
 def _conditions(plant: Plant, data: ConditionData, conditions: ConditionSet, scalars: Scalars) -> list[Any]:
-    """Every condition as an expression that must be >= 0, relative to its large side, for every kind of vehicle.
+    """Each condition as (large - small) / large >= 0, once for each kind of vehicle.
 
-    With structured gains the degree cancels in each of them: vehicles of one kind share their conditions.
+    With structured gains the degree cancels in every condition: vehicles of one kind share their conditions.
     """
     limits = (data.torque, data.speed, data.turn_rate, data.wheel_speed, data.acceleration, data.turn_acceleration)
     kinds = np.stack([plant.m, plant.inertia, data.r, data.arm, *limits])

@@ -1,4 +1,4 @@
-"""What solvers report, in one place: an answer is used only where its solver calls it an optimum."""
+"""How the solvers' reports are read: an answer is used only if its solver calls it an optimum."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from ...models.errors import UndecidedError
 
 
 def clarabel_finds_optimum(problem: Any, seconds: float) -> bool:
-    """Whether Clarabel calls a problem optimal, with numbers for all variables: nothing less is of use.
+    """Solve with Clarabel. True only if the status is optimal and all variables have values.
 
-    Raises UndecidedError where it breaks down or takes longer than so many seconds of wall clock: that is no answer.
+    Raises UndecidedError if Clarabel breaks down or takes longer than `seconds` of wall clock.
     """
     import cvxpy as cp
 
@@ -21,7 +21,7 @@ def clarabel_finds_optimum(problem: Any, seconds: float) -> bool:
         warnings.simplefilter("ignore", UserWarning)  # "may be inaccurate": the status says so too
         try:
             problem.solve(solver=cp.CLARABEL, time_limit=seconds)
-        except cp.SolverError:  # numerical trouble, as far from the optimum of a bisection
+        except cp.SolverError:  # numerical trouble, which a bisection meets far from its optimum
             return False
         except Exception as error:
             raise UndecidedError(f"Clarabel broke down: {type(error).__name__}: {str(error)[:200]}") from None
@@ -34,7 +34,7 @@ def clarabel_finds_optimum(problem: Any, seconds: float) -> bool:
 def ipopt_finds_optimum(stats: dict[str, Any], seconds: float) -> bool:
     """Whether IPOPT calls its last answer an optimum, by the statistics of CasADi's solver.
 
-    Raises RuntimeError where its time of so many seconds of wall clock ran out.
+    Raises RuntimeError if IPOPT used up its `seconds` of wall clock.
     """
     if stats["return_status"] == "Maximum_WallTime_Exceeded":
         raise RuntimeError(f"IPOPT found no answer within {seconds:g} s")

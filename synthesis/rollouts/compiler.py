@@ -1,7 +1,7 @@
-"""Loops over items and columns, compiled: what CasADi says of one of them, done for all in one precision.
+"""A CasADi function describes one item. This compiles a loop that applies it to all items and columns.
 
-Nothing but sums, products, quotients and roundings, in one order: the same numbers on every processor, and in a column
-the same whatever stands beside it.
+A loop computes in one precision and only with sums, products, quotients and roundings in a fixed order. So every
+processor gives the same numbers, and a column does not depend on the columns beside it.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from ...models.arrays import Array
 Single, Double = np.float32, np.float64
 REALS: dict[Any, ir.Type] = {Single: ir.FloatType(), Double: ir.DoubleType()}
 INDEX = ir.IntType(64)
-LARGEST = 6.1  # beyond it tanh counts as what it is there
+LARGEST = 6.1  # for larger arguments tanh(6.1) is used
 
 
 class At(Enum):
-    """Which numbers of an array belong to an item and a column; before them goes an axis over what is read at once."""
+    """The last axes of an array, by item and column. The first axis of the array counts the values read together."""
 
     EACH = "(items, columns)"
     ITEM = "(items,)"
@@ -42,7 +42,7 @@ ENDS = At.TAIL, At.HEAD
 
 
 class LoopNest(NamedTuple):
-    """A function of vectors and the arrays, by name, that its arguments are read from and its results written to."""
+    """A function of vectors, the arrays it reads its arguments from and those it writes its results to, by name."""
 
     function: ca.Function
     reads: Sequence[tuple[str, At]]
@@ -53,9 +53,9 @@ Pointer = ctypes.c_void_p
 
 
 def pointer(array: Array, kind: Any = Single) -> Pointer:
-    """Where an array begins, which stays there as long as this is kept.
+    """The address of an array; while this pointer is kept, the array stays in memory.
 
-    Raises TypeError for an array of another kind, or one whose numbers do not stand in a row.
+    Raises TypeError for an array of another type, or one that is not contiguous.
     """
     if array.dtype != kind or not array.flags.c_contiguous:
         raise TypeError(
@@ -79,10 +79,10 @@ class Compiled:
         ends: Sequence[Pointer | None] = (None, None),
         others: int = 0,
     ) -> Callable[[], None]:
-        """What runs the loop over these arrays.
+        """A function that runs the loop over these arrays.
 
-        `ends` are the rows (items,) out of `others` that belong to the tail and to the head of every item. No number
-        may stand in two arrays of which one is written.
+        `ends` are the rows (items,) out of `others` that belong to the tail and to the head of every item. An array
+        that is written must not share memory with another one.
         """
         return partial(self._call, items, columns, others, *ends, *(arrays[name] for name in self._names))
 
@@ -97,7 +97,7 @@ def compiled(loops: Mapping[str, LoopNest], real: Any = Single) -> dict[str, Com
     for name, loop in loops.items():
         kinds = [ctypes.c_int64] * 3 + [Pointer] * (len(ENDS) + len(_arrays(loop)))
         call = ctypes.CFUNCTYPE(None, *kinds)(engine.get_function_address(name))
-        call.engine = engine  # type: ignore[attr-defined]  # what it runs is there as long as this is
+        call.engine = engine  # type: ignore[attr-defined]  # keeps the engine alive, so the code is not freed
         found[name] = Compiled(loop, call)
     return found
 
@@ -108,7 +108,7 @@ def single_ops() -> Ops:
 
 
 def _tanh(s: Array) -> Array:
-    """Lambert's continued fraction s / (1 + s^2 / (3 + s^2 / (5 + ...))), broken off at 17."""
+    """Lambert's continued fraction s / (1 + s^2 / (3 + s^2 / (5 + ...))), cut off at 17."""
     s = ca.fmin(ca.fmax(s, -LARGEST), LARGEST)
     square = s * s
     over = _polynomial(square, [34459425, 4729725, 135135, 990, 1])

@@ -20,11 +20,11 @@ from ..settings import Accuracy
 from .compiler import At, Compiled, Double, LoopNest, Single, compiled, pointer
 
 Array = NDArray[Any]
-Rate = Callable[[Array], None]  # of the times (B,), s: writes the slopes where it was told to
-Problem = Callable[[Array, Array], Rate]  # what finds the slopes (..., B) of values (..., B), both to stay in place
+Rate = Callable[[Array], None]  # called with the times (B,), s; writes the slopes of its Problem
+Problem = Callable[[Array, Array], Rate]  # of values and slopes, (..., B); both arrays must not move in memory
 
 SAFETY, SHRINK = 0.9, 0.2
-SMALLEST, LARGEST = 1e-6, 1e3  # of an error over its bound: smaller and larger ones change the step no more
+SMALLEST, LARGEST = 1e-6, 1e3  # the error ratio is clamped to this range
 
 
 @dataclass(frozen=True)
@@ -36,8 +36,8 @@ class Tableau:
     error: tuple[float, ...]  # weights of all slopes in the error
     dense: tuple[tuple[float, ...], ...]  # per slope, coefficients of s, s^2, ... at the share s of the step
     order: int  # of the lower solution
-    grow: float  # the most that a step may grow by
-    real: Any  # of which numbers the values are
+    grow: float  # largest factor by which a step may grow
+    real: Any  # number type of the values
 
 
 def _tableau(method: Any, grow: float, real: Any) -> Tableau:

@@ -1,4 +1,4 @@
-"""The averaged flow across the track for many trials at once: how long the tail of each goes on."""
+"""The averaged flow of the cross-track errors for many trials at once: how long the tail of each takes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from ..settings import Accuracy
 from .runge_kutta import BOGACKI_SHAMPINE, Rate, Stepper
 from .settling import Trial
 
-DENSE_VEHICLES = 40  # up to here the responses of all trials are inverted and kept side by side
-STEPS = 80  # after which 1 / error^2 is taken to grow on at the rate of the last one
-PHASES = 32  # of a period of psi, at which the heading's swing is looked at
+DENSE_VEHICLES = 40  # up to this size the responses of all trials are inverted and stored together
+STEPS = 80  # after so many steps we extrapolate: 1 / error^2 keeps its last growth rate
+PHASES = 32  # points in a period of psi at which the heading's swing is evaluated
 FIRST_STEP = 1.0  # s
 ACCURACY = Accuracy(1e-3, 1e-5, math.inf)
 
 
 def tail_times(plant: Plant, trials: Sequence[Trial], trial: Sequence[int], y: Floats, tolerance: Tolerance) -> Floats:
-    """The time (s) in which the cross-track errors y (N, B) fall to the tolerance, (B,): of trial[b] in column b.
+    """The time (s) in which the cross-track errors y (N, B) fall to the tolerance, (B,).
 
-    0 where they are there already, inf where they never are.
+    Column b of y belongs to trial[b]. The time is 0 for errors within the tolerance, inf if they never reach it.
     """
     if plant.graph.vehicles > DENSE_VEHICLES:
         return np.array([_time_to(plant, trials[k], column, tolerance) for k, column in zip(trial, y.T, strict=True)])
@@ -44,7 +44,7 @@ def _together(tracks: CrossTrack, y: Floats, tolerance: Tolerance) -> Floats:
     """All columns at once for STEPS, then by the power law of a cubic flow that follows its slowest mode."""
 
     def closeness(y: Floats) -> Floats:
-        """(tolerance / error)^2 for the larger of both errors: it grows at a constant rate where y keeps its shape."""
+        """(tolerance / error)^2 for the larger of both errors: it grows at a constant rate while y keeps its shape."""
         errors = np.abs(y).max(axis=0) / tolerance.position, tracks.swing(y).max(axis=0) / tolerance.heading
         return np.asarray(np.maximum(*errors) ** -2.0)
 

@@ -1,6 +1,6 @@
 """What kills and interrupts leave behind: files, processes and words of three commands, and whether a rerun completes.
 
-    python benchmarks/faults.py [--rounds N] [--seed K] [--commands run design validate]
+    python tests/campaigns/faults.py [--rounds N] [--seed K] [--commands run design validate]
 
 Every round ends a command at a random moment (SIGKILL or SIGINT; to all its processes, to the parent or to one
 worker), looks at what is left, and runs the same command again in the same folder. Exit code 1 when anything is not
@@ -230,7 +230,7 @@ def wait_for(process: subprocess.Popen[str], whom: str, moment: float) -> list[i
 
 
 def send(pid: int, what: signal.Signals) -> bool:
-    """Send a signal; whether the process was still there."""
+    """Send a signal. Returns whether the process was still there."""
     try:
         os.kill(pid, what)
     except ProcessLookupError:
@@ -239,7 +239,7 @@ def send(pid: int, what: signal.Signals) -> bool:
 
 
 def lingering(session: int, known: list[int]) -> list[str]:
-    """The processes of an ended command that are still there after PATIENCE; they are ended now."""
+    """Processes still alive PATIENCE seconds after the command ended. This function kills them."""
     end = time.monotonic() + PATIENCE
     while members(session) and time.monotonic() < end:
         time.sleep(POLL)

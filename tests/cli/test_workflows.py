@@ -94,7 +94,7 @@ def test_a_design_into_a_folder_with_older_runs_says_so(designed: tuple[Path, Do
         (out / f"{name}.json").write_text(json.dumps({"fleet_digest": "sha256:a", "gains_digest": "sha256:b"}))
     done = gaincert("design", folder / "fleet.toml", "-o", out, "--conditions", "corrected", "--digits", 3)
     assert done.returncode == 0, done.stderr
-    line = "note: summary.json, validation.json are of other gains or another fleet: run gaincert simulate, "
+    line = "note: summary.json, validation.json are from other gains or another fleet: run gaincert simulate, "
     assert line + "gaincert validate again" in done.stdout
 
 

@@ -257,13 +257,13 @@ TABLE = {
     "twice": (
         '["a", "b"]',
         '["a", "b"], ["b", "a", 3]',
-        ["graph: edge 'b' - 'a' stands twice; keep one, with the sum of the weights"],
+        ["graph: edge 'b' - 'a' is listed twice; keep one, with the sum of the weights"],
     ),
     "one name twice": (
         'name = "c"',
         'name = "a"',
         [
-            "vehicle 'a': the name stands twice; names must differ",
+            "vehicle 'a': two vehicles have this name; names must differ",
             "graph: edge 'b' - 'c': there is no vehicle 'c'",
         ],
     ),
@@ -476,7 +476,7 @@ def test_csv_tables_of_a_spreadsheet_are_read(tmp_path):
         ("edges", "from,to", "to,from", ["edges.csv: the first line must be from,to,weight"]),
         ("leaders", "v2,10", "v2,x", ["graph: leader_links.v2 = 'x' is not a number; it must be a number >= 0"]),
         ("leaders", "v2,10", "v9,10", ["graph: leader link of 'v9': there is no such vehicle"]),
-        ("leaders", "v4,10", "v2,10", ["leaders.csv: vehicle 'v2' stands twice; keep one row"]),
+        ("leaders", "v4,10", "v2,10", ["leaders.csv: vehicle 'v2' is listed twice; keep one row"]),
         ("leaders", "vehicle,weight", "vehicle;weight", ["leaders.csv: the first line must be vehicle,weight"]),
     ],
 )

@@ -60,7 +60,7 @@ def test_the_rows_of_a_start_may_stand_in_any_order(tmp_path: Path) -> None:
     ("rows", "says"),
     [
         ([*GOOD, "a,v7,0,0,0,0,0"], "row 8: start 'a', vehicle 'v7': there is no such vehicle"),
-        ([*GOOD, GOOD[0]], "row 8: start 'a', vehicle 'v1': it stands twice"),
+        ([*GOOD, GOOD[0]], "row 8: start 'a', vehicle 'v1': it is listed twice"),
         ([*GOOD[:5], "a,v6,0,0,nan,0,0"], "row 7: a number is not finite"),
         (GOOD[:5], "start 'a' has no row for vehicle 'v6'"),
         ([*GOOD[:5], "a,v6,0,0"], "row 7 must have 7 columns"),

@@ -87,7 +87,7 @@ def only_heard(library: ctypes.CDLL, vehicle: int, state: State) -> State:
 
 @compiler
 def test_c_agrees_with_python_on_1000_states_and_reads_what_it_may(fleet, psi, draw_gains, draw_state, tmp_path):
-    """Every graph family x both drives; torques relative to the bound, which holds, too."""
+    """Every graph family x both drives. Compares torques relative to the bound, and checks the bound."""
     deployed = deployed_of(fleet, psi, draw_gains(len(fleet)))
     library = build(deployed, tmp_path)
     count = -(-1000 // len(fleet))  # states times vehicles are 1000 or more
@@ -514,7 +514,7 @@ def test_no_acceleration_passes_the_bound_and_some_come_near(draw_state):
 
 def test_an_interface_is_of_ros_2(folder):
     assert export(folder, "ros2", interface="velocity")
-    with pytest.raises(InputError, match="interface = 'velocity' is of the format ros2, not of c; leave it out"):
+    with pytest.raises(InputError, match="interface = 'velocity' belongs to the format ros2, not to c; leave it out"):
         export(folder, "c", interface="velocity")
     with pytest.raises(InputError, match="interface = 'torque' is not known; choose one of effort, velocity"):
         export(folder, "ros2", interface="torque")
@@ -561,7 +561,7 @@ def test_a_design_and_a_certificate_of_other_gains_are_refused(folder):
     other = design_of(paper_gains())
     other["gains"]["p_v"][0] = "55"
     (folder / "design.json").write_text(json.dumps(other))
-    with pytest.raises(InputError, match="is not of the gains in design"):
+    with pytest.raises(InputError, match="does not belong to the gains in design"):
         export(folder, "c")
 
 

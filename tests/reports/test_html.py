@@ -114,7 +114,7 @@ def test_files_of_different_fleets_are_not_mixed_silently(folder, tmp_path):
     shutil.copytree(folder, tmp_path / "x")
     summary = json.loads((folder / "summary.json").read_text())
     (tmp_path / "x" / "summary.json").write_text(json.dumps({**summary, "fleet_digest": "sha256:other"}))
-    assert "summary.json is of other gains or another fleet" in write_report(tmp_path / "x").read_text()
+    assert "summary.json is from other gains or another fleet" in write_report(tmp_path / "x").read_text()
 
 
 @pytest.mark.parametrize("kept", ["design.json", "certificate.json", "summary.json", "proof.json", "validation.json"])

@@ -38,7 +38,7 @@ def copied(folder, tmp_path):
 
 
 def of_other_gains(path):
-    """Make a result one of other gains."""
+    """Give a result the digest of other gains."""
     content = json.loads(path.read_text())
     path.write_text(json.dumps({**content, "gains_digest": "sha256:other"}))
 
@@ -68,7 +68,7 @@ def test_what_is_stale_is_named_and_left_out(name, verb, title, figure, copied):
     of_other_gains(copied / name)
     page = write_report(copied).read_text()
     left_out = next(text for _, found, text in tiles(page) if found == "Left out of this report")
-    assert left_out == f"{name} is of other gains or another fleet: run gaincert {verb} again"
+    assert left_out == f"{name} is from other gains or another fleet: run gaincert {verb} again"
     assert not any(re.fullmatch(title, found) for _, found, _ in tiles(page))
     assert figure is None or f'id="figure-{figure}"' in page  # drawn of the right gains before
 
@@ -80,7 +80,7 @@ def test_a_trajectory_of_other_gains_is_not_shown(copied):
     np.savez(copied / "trajectory.npz", **{**arrays, "gains_digest": np.array("sha256:other")})
     page = write_report(copied).read_text()
     assert 'id="stage"' not in page
-    assert "trajectory.npz is of other gains" in page
+    assert "trajectory.npz is from other gains" in page
 
 
 def test_figures_of_other_gains_are_not_shown(copied):

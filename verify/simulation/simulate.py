@@ -22,14 +22,14 @@ from .room import Room
 from .summary import IntegrationError, Summary
 from .trajectory import Trajectory
 
-ROUNDING = 64 * 2.0**-52  # relative to the largest coordinate: what thousands of steps in doubles lose at any tolerance
-LOOSER = 10.0  # factor on the tolerance of the run that the integration error is measured against
+ROUNDING = 64 * 2.0**-52  # of the largest coordinate: rounding error after thousands of steps, whatever the tolerance
+LOOSER = 10.0  # times the tolerance: a second run with it measures the integration error
 STEP = 0.1  # s between stored points
-PIECE = 20.0  # s between looks at the clock
+PIECE = 20.0  # s of simulated time between two checks of the clock
 LONGEST = 5000.0  # s, end of a run without a horizon that does not settle before
-MAX_NUMBERS = 40_000_000  # stored numbers; where a run has more, the step between stored points is longer
+MAX_NUMBERS = 40_000_000  # stored numbers; a run that would have more gets a longer step between stored points
 MEASURED_TOGETHER = 250_000  # numbers of a stored run that are measured at once
-HOLD = 0.25  # of the settling time: how much longer a run without a horizon goes on, to see that it stays settled
+HOLD = 0.25  # share of the settling time: a run without a horizon goes on for so long, to see that it stays settled
 
 Progress = Callable[[str, float], None]
 

@@ -20,7 +20,8 @@ from .tree import Tree, read_tree
 from .wheel_search import found_wheels
 from .wheels import DriveWheels, Ignored, WheelNames, named_wheels
 
-PLACES = 12  # decimal places (significant digits below 1) of a number computed in floating point: no processor's noise
+# decimal places (significant digits below 1): computed numbers are rounded, so they agree on every processor
+PLACES = 12
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Inertias that no body has are refused; what is odd and may be meant is said."""
+"""Inertias that no body has are refused. Strange but possible values give a warning."""
 
 import numpy as np
 import pytest
