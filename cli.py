@@ -141,6 +141,11 @@ def simulate(
     scheme: cli.SchemeOption = cli.Scheme.bounded,
     horizon: cli.OpenHorizon = None,
     sample_time: cli.SampleTime = None,
+    delay: cli.Delay = None,
+    noise: cli.Noise = None,
+    mismatch: cli.Mismatch = None,
+    friction: cli.Friction = None,
+    lost_link: cli.LostLink = None,
     seed: cli.NoiseSeed = 0,
     tolerance: cli.ToleranceOption = (0.1, 0.1),
     engine: cli.EngineOption = cli.Engine.auto,
@@ -148,7 +153,7 @@ def simulate(
     """Simulate the fleet from its own start, and draw it."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
-    disturbance = DisturbanceOptions(sample_time=sample_time).of(fleet, seed)
+    disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
     simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbance)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     return Outcome.of(simulated.document, true=not simulated.false_claims)

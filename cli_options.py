@@ -15,6 +15,9 @@ class Template(StrEnum):
     paper = "paper"
     line = "line"
     ring = "ring"
+    star = "star"
+    grid = "grid"
+    v = "v"
     turtlebot3 = "turtlebot3"
 
 
@@ -117,7 +120,9 @@ CertifiedFleet = Annotated[
 
 # init, export, report
 TemplateOption = Annotated[Template, typer.Option(help="the kind of fleet")]
-Vehicles = Annotated[int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for line and ring")]
+Vehicles = Annotated[
+    int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for all but the paper's fleet")
+]
 FormatOption = Annotated[Format, typer.Option("--format", help="what will read the gains, or the run")]
 InterfaceOption = Annotated[Interface, typer.Option(help="what the ROS 2 node commands: wheel torques or twists")]
 Animate = Annotated[

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from ..models.fleet import Fleet
 from ..models.tolerance import Tolerance
-from ..verify.simulation.room import Room
-from ..verify.simulation.settling import Approach
-from ..verify.simulation.summary import Summary
 from .tables.demands_table import DemandRow, coulomb, motor_torque
+
+if TYPE_CHECKING:  # `check` needs no integrators
+    from ..verify.simulation.room import Room
+    from ..verify.simulation.summary import Summary
 
 
 class Obstacle(NamedTuple):
@@ -62,6 +63,8 @@ def of_control_rate(sample_time: float | None, largest: float | None) -> list[Ob
 
 def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
     """Collisions, and a run with its disturbance that does not come to its goal."""
+    from ..verify.simulation.settling import Approach
+
     found = [] if summary.room is None else _collisions(fleet, summary.room)
     if summary.disturbance is not None and not summary.settled and summary.approach is not Approach.CLOSING_IN:
         what = (

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from pydantic import TypeAdapter, ValidationError
 
 from ..arrays import Array, column
-from ..errors import InputError
+from ..errors import InputError, did_you_mean
 from ..excitation import Excitation
 from ..fleet import Fleet
 from ..fleet_tables import ExcitationTable, Links
@@ -110,7 +110,8 @@ def _from_csv(path: Path, fleet: Fleet) -> _Content:
             raise InputError(f"{path}: vehicle {row['vehicle']!r} is listed twice; keep one row")
         rows[row["vehicle"]] = row
     if extra := set(rows) - set(fleet.names):
-        raise InputError(f"{path}: vehicle {min(extra, key=str)!r} is not in the fleet")
+        unknown = min(extra, key=str)
+        raise InputError(f"{path}: vehicle {unknown!r} is not in the fleet{did_you_mean(unknown, fleet.names)}")
     if lost := [name for name in fleet.names if name not in rows]:
         raise InputError(f"{path}: has no row for vehicle {lost[0]!r}")
 

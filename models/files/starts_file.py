@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from ..equations import State
-from ..errors import InputError
+from ..errors import InputError, did_you_mean
 from ..fleet import Fleet
 from ..numbers import exact
 from .fleet_file import read_csv
@@ -25,7 +25,8 @@ def load_starts(path: Path, fleet: Fleet) -> list[State]:
     for number, row in enumerate(read_csv(path, COLUMNS), 2):
         vehicle = index.get(row["vehicle"])
         if vehicle is None or vehicle in found.setdefault(row["start"], {}):
-            why = "there is no such vehicle" if vehicle is None else "it is listed twice"
+            unknown = f"the fleet has no such vehicle{did_you_mean(row['vehicle'], fleet.names)}"
+            why = unknown if vehicle is None else "it is listed twice"
             raise InputError(f"{path}: row {number}: start {row['start']!r}, vehicle {row['vehicle']!r}: {why}")
         try:
             found[row["start"]][vehicle] = [float(exact(row[key])) for key in COLUMNS[2:]]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
@@ -13,7 +14,7 @@ from .fleet_text import dumps
 
 DEFAULT_VEHICLES = 6
 
-# A small service robot, for the line and the ring.
+# A small service robot, for all shapes.
 _ROBOT = {"mass": 20, "inertia": "0.8", "half_track": "0.25", "wheel_radius": "0.08", "torque_limit": 12}
 # ROBOTIS TurtleBot3 Burger: mass, yaw inertia about the axle's centre, half track and wheel radius as its URDF yields
 # them (ROBOTIS-GIT/turtlebot3, turtlebot3_description/urdf/turtlebot3_burger.urdf); stall torque of the XL430-W250 at
@@ -38,15 +39,16 @@ _PSI_SOURCE = """\
 
 
 def template_text(kind: str, vehicles: int | None = None) -> str:
-    """The TOML text of a template: "paper", "line", "ring" or "turtlebot3"; `vehicles` is for all but the paper's."""
+    """The TOML text of a template: "paper", "turtlebot3" or one of SHAPES; `vehicles` is for all but the paper's."""
     if kind == "paper":
         if vehicles not in (None, 6):
-            raise InputError(f"--vehicles {vehicles}: the paper's fleet has 6; use --template line or ring")
+            raise InputError(
+                f"--vehicles {vehicles}: the paper's fleet has 6; use another --template, such as line or ring"
+            )
         return _PSI_SOURCE + dumps(paper_fleet().model_copy(update={"excitation": None}))
     if kind == "turtlebot3":
         return _TURTLEBOT3_SOURCE + dumps(_line("turtlebot3 line", vehicles or 5, _TURTLEBOT3, Fraction(1, 2)))
-    build = {"line": _line, "ring": _ring}[kind]
-    return dumps(build(kind, vehicles or DEFAULT_VEHICLES, _ROBOT, Fraction(2)))
+    return dumps(SHAPES[kind](kind, vehicles or DEFAULT_VEHICLES, _ROBOT, Fraction(2)))
 
 
 def _line(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:
@@ -67,6 +69,47 @@ def _ring(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fl
     offsets = [(_hundredths(radius * math.cos(a)), _hundredths(radius * math.sin(a))) for a in angles]
     starts = [(2 * x - 2 * spacing, 2 * y + spacing) for x, y in offsets]
     return _fleet(name, names, edges, names[::3], robot, offsets, starts)
+
+
+def _star(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:
+    """One vehicle in the middle, which alone is led and to which all others, on a circle around it, are linked."""
+    names = _names(count)
+    edges = [[names[0], name] for name in names[1:]]
+    radius = float(spacing) * max(1.0, (count - 1) / (2 * math.pi))
+    angles = [2 * math.pi * i / max(1, count - 1) for i in range(count - 1)]
+    around = [(_hundredths(radius * math.cos(a)), _hundredths(radius * math.sin(a))) for a in angles]
+    offsets = [(Fraction(0), Fraction(0)), *around]
+    starts = [(2 * x - 3 * spacing, 2 * y + spacing) for x, y in offsets]
+    return _fleet(name, names, edges, names[:1], robot, offsets, starts)
+
+
+def _grid(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:
+    """Rows as long as the grid is deep, each vehicle linked to those beside and behind it; the first row is led."""
+    names, width = _names(count), math.ceil(math.sqrt(count))
+    beside = [[names[i], names[i + 1]] for i in range(count - 1) if (i + 1) % width]
+    behind = [[names[i], names[i + width]] for i in range(count - width)]
+    offsets = [(-spacing * (i // width), spacing * (i % width) - spacing * (width - 1) / 2) for i in range(count)]
+    starts = [(2 * x - 4 * spacing, 2 * y + spacing) for x, y in offsets]
+    return _fleet(name, names, beside + behind, names[:width], robot, offsets, starts)
+
+
+def _v(name: str, count: int, robot: dict[str, Any], spacing: Fraction) -> Fleet:
+    """A V behind its first vehicle, which is led; on both sides each one is linked to the one before it."""
+    names = _names(count)
+    edges = [[names[max(0, i - 2)], names[i]] for i in range(1, count)]
+    depth = [(i + 1) // 2 for i in range(count)]
+    offsets = [(-spacing * d, spacing * (d if i % 2 else -d)) for i, d in enumerate(depth)]
+    starts = [(2 * x - 3 * spacing, 2 * y + spacing) for x, y in offsets]
+    return _fleet(name, names, edges, names[:1], robot, offsets, starts)
+
+
+SHAPES: dict[str, Callable[[str, int, dict[str, Any], Fraction], Fleet]] = {
+    "line": _line,
+    "ring": _ring,
+    "star": _star,
+    "grid": _grid,
+    "v": _v,
+}
 
 
 def _fleet(

@@ -19,10 +19,10 @@ from ...verify.simulation.trajectory import Trajectory, read_trajectory
 from ..deployment import FLEET_COPY, Deployment, fleet_of_folder
 from ..figures.style import belongs
 from ..rendering import render, undefined_error
-from ..results import ClaimResult, DesignResult, Results, current_digests, read_results, stale_files
+from ..results import RESULTS, ClaimResult, DesignResult, Results, current_digests, read_results, stale_files
 from ..tables.conditions_table import ConditionRow, condition_rows
 from ..tables.designs_table import HEADINGS, DesignRow, design_rows
-from ..tables.gain_table import COLUMNS, GainRow, rows
+from ..tables.gain_table import COLUMNS, SCALES, GainRow, rows
 from ..tables.robot_table import RobotSummary, robot_summaries
 from .animation import animation_data
 from .embed import figure_data, safe_mathml, script_hash
@@ -86,7 +86,9 @@ def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
     """
     results = read_results(folder)
     if results.empty:
-        raise InputError(f"{folder}: holds no results to report on; run gaincert design, certify, simulate or prove")
+        raise InputError(
+            f"{folder}: holds no {', '.join(RESULTS)} to report on; run gaincert design, simulate or prove"
+        )
     fleet = fleet_of_folder(folder, fleet_path) if fleet_path or (folder / FLEET_COPY).is_file() else None
     try:
         page = render("report.html", **vars(_page(results, fleet)))
@@ -106,7 +108,8 @@ def _page(results: Results, fleet: Fleet | None) -> Page:
     current = deployed.digests if deployed else current_digests(folder)
     stale = stale_files(folder, current) if current else []
     results = results.without(stale)
-    run = None if "trajectory.npz" in stale else _trajectory_of(folder, fleet)
+    run = _trajectory_of(folder, fleet)  # a damaged one is an error, stale or not
+    run = None if "trajectory.npz" in stale else run
     draw_figures(results, fleet, run, str(current or ""))
     gains, script = _gain_rows(folder, deployed), _script()
     origins = (results.design, results.run, results.many_starts)
@@ -184,7 +187,8 @@ def _gain_rows(folder: Path, deployed: Deployment | None) -> list[GainRow]:
         return []
     # Not splitlines: a name may hold what Unicode calls a line separator.
     table = csv.DictReader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
-    return [GainRow(*(row[key] for key in COLUMNS)) for row in table]
+    unit = dict.fromkeys(SCALES, "1")  # of a table without scales
+    return [GainRow(*({**unit, **row}[key] for key in COLUMNS)) for row in table]
 
 
 def _share(row: GainRow) -> float:

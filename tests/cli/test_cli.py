@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 from gaincert import __version__
 from gaincert.cli_app import app
+from gaincert.cli_options import Template
 from gaincert.models.files.gains_file import GainsFile
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.models.tolerance import Tolerance
@@ -126,7 +127,7 @@ def test_the_papers_gains_are_certified_under_its_own_conditions_only(tmp_path: 
     assert not (tmp_path / "bad" / "certificate.json").exists()
 
 
-@pytest.mark.parametrize("template", ["paper", "line", "ring", "turtlebot3"])
+@pytest.mark.parametrize("template", [template.value for template in Template])
 def test_init_writes_what_check_accepts(template: str, tmp_path: Path) -> None:
     fleet = tmp_path / "fleet.toml"
     assert gaincert("init", fleet, "--template", template).returncode == 0

@@ -172,3 +172,59 @@ def test_a_run_whose_robots_cannot_move_ends_with_1_and_says_what_to_change(tmp_
     checked = gaincert("check", fleet)
     assert checked.returncode == 0
     assert checked.stdout.splitlines()[-1].startswith("NOT USABLE: friction of 60 N m")
+
+
+# -- disturbances and names --------------------------------------------------------------------------------------------
+
+
+def test_simulate_takes_the_disturbance_options_of_validate(tmp_path: Path) -> None:
+    options = (
+        "--sample-time",
+        0.02,
+        "--delay",
+        0.04,
+        "--noise",
+        0.005,
+        0.01,
+        "--mismatch",
+        0.1,
+        "--friction",
+        0.2,
+        0.01,
+    )
+    lost = ("--lost-link", "v1", "v2", 1, "--seed", 3)
+    done = gaincert("simulate", *PAPER, "-o", tmp_path, "--horizon", 2, *options, *lost)
+    assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "summary.json").read_text())["disturbance"] == {
+        "sample_time": 0.02,
+        "delay": 0.04,
+        "noise_position": 0.005,
+        "noise_heading": 0.01,
+        "mismatch": 0.1,
+        "coulomb": 0.2,
+        "viscous": 0.01,
+        "lost_link": ["v1", "v2"],
+        "lost_at": 1.0,
+        "seed": 3,
+    }
+    words = "torques held for 20 ms, 40 ms of delay, noise of 0.005 m, 0.01 rad, parameters off by up to 10 %, "
+    assert (
+        f"with the disturbance ({words}friction of 0.2 N m, 0.01 N m s at every wheel, the link v1 - v2" in done.stdout
+    )
+
+
+@pytest.mark.parametrize(
+    ("lost", "message"),
+    [
+        (("v1", "v22"), "the fleet has no vehicle 'v22' (did you mean 'v2'?)"),
+        (("v1", "v3"), "the fleet has no edge 'v1' - 'v3'; 'v1' is linked to 'v2', 'v6'"),
+    ],
+)
+def test_a_wrong_name_of_a_robot_gets_the_likely_one(lost: tuple[str, str], message: str, tmp_path: Path) -> None:
+    done = gaincert("simulate", *PAPER, "-o", tmp_path / "out", "--lost-link", *lost, 1)
+    assert done.returncode == 2
+    assert message in done.stderr
+    starts = tmp_path / "starts.csv"
+    starts.write_text("start,vehicle,x,y,theta,v,omega\n0,v22,0,0,0,0,0\n")
+    done = gaincert("validate", *PAPER, "-o", tmp_path / "out", "--starts-file", starts)
+    assert "'v22': the fleet has no such vehicle (did you mean 'v2'?)" in done.stderr

@@ -59,7 +59,11 @@ def test_the_rows_of_a_start_may_stand_in_any_order(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "says"),
     [
-        ([*GOOD, "a,v7,0,0,0,0,0"], "row 8: start 'a', vehicle 'v7': there is no such vehicle"),
+        ([*GOOD, "a,v7,0,0,0,0,0"], "row 8: start 'a', vehicle 'v7': the fleet has no such vehicle"),
+        (
+            [*GOOD, "a,v11,0,0,0,0,0"],
+            "row 8: start 'a', vehicle 'v11': the fleet has no such vehicle (did you mean 'v1'",
+        ),
         ([*GOOD, GOOD[0]], "row 8: start 'a', vehicle 'v1': it is listed twice"),
         ([*GOOD[:5], "a,v6,0,0,nan,0,0"], "row 7: a number is not finite"),
         (GOOD[:5], "start 'a' has no row for vehicle 'v6'"),

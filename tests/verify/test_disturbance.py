@@ -110,7 +110,7 @@ def test_parts_and_report() -> None:
 @pytest.mark.parametrize(
     ("real", "message"),
     [
-        (Disturbance(lost_link=("v1", "v9")), "no edge 'v1' - 'v9'"),
+        (Disturbance(lost_link=("v1", "v9")), "no vehicle 'v9'"),
         (Disturbance(delay=float("nan")), "delay = nan must be"),
         (Disturbance(sample_time=1e-9), "sample_time = 1e-09 must be from 0.0001 to 10"),
         (Disturbance(coulomb=-1.0), "coulomb = -1.0 must be"),

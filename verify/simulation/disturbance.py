@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...models.errors import InputError
+from ...models.errors import InputError, did_you_mean
 from ...models.fleet import Fleet
 from ...models.fleet_tables import DisturbanceTable
 
@@ -75,12 +75,22 @@ def checked(disturbance: Disturbance, fleet: Fleet) -> Disturbance:
         if not low <= value <= high
     ]
     if disturbance.lost_link is not None:
-        ends = set(disturbance.lost_link)
-        if not any({a, b} == ends for a, b, _ in fleet.links.edges):
-            mistakes.append(f"lost link: the fleet has no edge {' - '.join(map(repr, disturbance.lost_link))}")
+        mistakes += _lost_link_mistakes(disturbance.lost_link, fleet)
     if mistakes:
         raise InputError(*mistakes)
     return disturbance
+
+
+def _lost_link_mistakes(lost: tuple[str, str], fleet: Fleet) -> list[str]:
+    """Names that are no vehicles, or vehicles without an edge between them."""
+    unknown = [name for name in lost if name not in fleet.names]
+    if unknown:
+        return [f"lost link: the fleet has no vehicle {name!r}{did_you_mean(name, fleet.names)}" for name in unknown]
+    if any({a, b} == set(lost) for a, b, _ in fleet.links.edges):
+        return []
+    others = sorted({a if b == lost[0] else b for a, b, _ in fleet.links.edges if lost[0] in (a, b)})
+    linked = f"; {lost[0]!r} is linked to {', '.join(map(repr, others[:5]))}" if others else ""
+    return [f"lost link: the fleet has no edge {lost[0]!r} - {lost[1]!r}{linked}"]
 
 
 def parts(disturbance: Disturbance) -> list[Disturbance]:
