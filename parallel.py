@@ -18,14 +18,14 @@ from .models.warning_lines import show_warnings, shown_level
 
 AHEAD = 3  # queued jobs per worker
 CONNECT = "10s"  # timeout of connecting to a scheduler
-PATIENCE = 3.0  # s that workers get to end; after an error or an interrupt they may be busy
-JOB_SECONDS = 7200  # s of wall clock for one job; beyond, its worker is ended
+PATIENCE = 3.0  # s that workers get to end by themselves; after an error or an interrupt they may be busy
+JOB_SECONDS = 7200  # s of wall clock for one job; after that its worker is killed
 
 
 @contextmanager
 def local(workers: int | None = None) -> Iterator[tuple[Executor, int]]:
-    """A pool of processes, one for every core that this process may use unless said otherwise."""
-    count = workers or len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    """A pool of processes and their number: `workers`, or one for every core that this process may use."""
+    count = worker_count(workers)
     spawn = multiprocessing.get_context("spawn")
     others = set(multiprocessing.active_children())
     with _Pool(count, mp_context=spawn, initializer=_begin_worker, initargs=(shown_level(),)) as pool:
@@ -36,21 +36,30 @@ def local(workers: int | None = None) -> Iterator[tuple[Executor, int]]:
             _end(set(multiprocessing.active_children()) - others)
 
 
+def worker_count(workers: int | None) -> int:
+    """`workers` if given, else the number of cores that this process may use."""
+    if workers:
+        return workers
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1  # macOS and Windows
+
+
 def _end(workers: set[multiprocessing.process.BaseProcess]) -> None:
     """Wait a little for idle workers, then kill those that are left: one may hang."""
     end = time.monotonic() + PATIENCE
     for worker in workers:
         worker.join(max(0.0, end - time.monotonic()))
-    # Not earlier: the pool prints a traceback where a worker dies while cancelled jobs are still queued.
+    # Not earlier: the pool prints a traceback if a worker dies while cancelled jobs are still queued.
     for worker in workers:
         worker.kill()
 
 
 class _Pool(ProcessPoolExecutor):
-    """A pool whose workers ignore interrupts and end where a job takes too long."""
+    """A pool whose workers ignore interrupts, and die when a job takes too long."""
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
-        """See `Executor`; a worker that this starts inherits the blocked interrupts."""
+        """See `Executor`. A worker started here inherits the blocked interrupts."""
         if not hasattr(signal, "pthread_sigmask"):  # Windows
             return super().submit(function, *args, **kwargs)
         before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
@@ -61,7 +70,7 @@ class _Pool(ProcessPoolExecutor):
 
 
 def _in_time(seconds: int, function: Callable[..., Any], *args: Any, **kwargs: Any) -> Any:
-    """A call in a worker; the alarm ends the process, wherever it hangs."""
+    """Call the function in a worker. After so many seconds an alarm kills the process, wherever it hangs."""
     signal.alarm(seconds)
     try:
         return function(*args, **kwargs)
@@ -70,7 +79,7 @@ def _in_time(seconds: int, function: Callable[..., Any], *args: Any, **kwargs: A
 
 
 def _begin_worker(level: int | None) -> None:
-    """Leave interrupts to the parent, although a terminal sends them to all; end with it; warn as it does."""
+    """Ignore interrupts, which the parent handles; end with the parent; show the same warnings as it does."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     threading.Thread(target=_end_with_the_parent, daemon=True).start()
     if level is not None:
@@ -86,7 +95,7 @@ def _end_with_the_parent() -> None:
 
 @contextmanager
 def cluster(address: str) -> Iterator[tuple[Executor, int]]:
-    """An existing Dask cluster. Raises InputError where dask is not installed or the scheduler does not answer."""
+    """An existing Dask cluster. Raises InputError if dask is not installed or the scheduler does not answer."""
     try:
         from distributed import Client
     except ImportError:
@@ -108,14 +117,14 @@ def in_turn(
 ) -> Iterator[Any]:
     """The results of function(*job) as they come, with a few jobs per worker queued at a time.
 
-    Raises UndecidedError where a worker dies, or no job ends in time.
+    Raises UndecidedError if a worker dies, or if no job ends in time.
     """
     left = iter(jobs)
     running: set[Future[Any]] = {executor.submit(function, *job) for job in islice(left, AHEAD * workers)}
     try:
         while running:
             done, running = wait(running, 2 * JOB_SECONDS, FIRST_COMPLETED)
-            if not done:  # on a cluster; here the workers have an alarm
+            if not done:  # only on a cluster: local workers have an alarm
                 raise UndecidedError(f"validate: no worker was done with a start within {2 * JOB_SECONDS} s")
             for future in done:
                 yield future.result()

@@ -1,6 +1,6 @@
 """Whether the trusted kernel ever accepts what is false: random fleets a hair's breadth from the edge of a condition.
 
-    python -m benchmarks.soundness [COUNT] [--first N] [--show N]
+    python tests/campaigns/soundness.py [COUNT] [--first N] [--show N]
 
 Each fleet has one number (a gain, a torque limit or psi_bar) moved to a relative margin of +-1e-3 .. +-1e-15 from the
 edge of one condition of one vehicle, to the nearest decimals on either side of it, or, where the edge is rational,
@@ -8,7 +8,7 @@ onto it. A margin that the certificate states counts as part of the condition. A
 Three judges decide the same certificate:
 
   kernel     verify/kernel.py on the JSON document
-  limits.py  models/limits.py in exact fractions, with psi_bar of models/excitation.py
+  limits.py  models/conditions.py in exact fractions, with psi_bar of models/excitation.py
   theory     `sides` below, written from the formulas of the theorem, in mpmath's interval arithmetic of 60 digits, at
              every corner of the intervals of the parameters; where the margin's interval holds 0 it is "too close"
 
@@ -59,7 +59,7 @@ KNOBS = {
 }
 
 # Relative margins up to which a judge may refuse what is true. The kernel decides roots exactly and tanh to 1e-90, but
-# not |psi| <= psi_bar at the supremum itself; limits.py encloses roots and tanh (down to 1e-3) within 1e-40, and
+# not |psi| <= psi_bar at the supremum itself; conditions.py encloses roots and tanh (down to 1e-3) within 1e-40, and
 # excitation.py exceeds the supremum by at most 1e-8.
 KERNEL_BAND = dict.fromkeys(CONDITIONS, 1e-60) | {PSI_BAR: 1e-36}
 LIMITS_BAND = dict.fromkeys(CONDITIONS, 1e-36) | {PSI_BAR: 1.1e-8}
@@ -525,7 +525,7 @@ def signed(document: dict[str, Any]) -> dict[str, Any]:
 
 
 def limits_hold(document: dict[str, Any]) -> bool:
-    """The word of models/limits.py and models/excitation.py on a certificate's conditions and psi_bar."""
+    """The verdict of models/conditions.py and models/excitation.py on a certificate's conditions and psi_bar."""
     leader = {"position": ["0", "0"], "heading": "0"}
     fleet = Fleet.model_validate({"name": "drawn", "leader": leader, **document["fleet"], **document["designed"]})
     assert fleet.psi is not None

@@ -441,7 +441,7 @@ GAINS = {
 @pytest.mark.slow
 @pytest.mark.needs("proc")
 def test_kills_and_interrupts_leave_nothing_broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """The benchmark benchmarks/faults.py for one command, at fixed moments."""
+    """The campaign tests/campaigns/faults.py for one command, at fixed moments."""
     monkeypatch.setitem(faults.COMMANDS, "validate", [*faults.COMMANDS["validate"][:-3], "60", "--horizon", "300"])
     (tmp_path / "gains").mkdir()
     (tmp_path / "gains" / "design.json").write_text(json.dumps(GAINS))

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from gaincert.cli_options import Format, Interface
 from gaincert.models.algebra.ops import numpy_ops
 from gaincert.models.arrays import floats
 from gaincert.models.conditions import float_numbers
@@ -25,7 +26,7 @@ from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.reports.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
 from gaincert.reports.escapes import c_comment, no_formula, yaml_text
 from gaincert.reports.export import casadi_source
-from gaincert.reports.export.formats import FORMATS, export
+from gaincert.reports.export.formats import FORMATS, INTERFACES, RUN_LOG, export
 from gaincert.reports.export.ros2 import namespaces, ros2_files
 from gaincert.verify.certificates.certify import certify
 from scipy.integrate import solve_ivp
@@ -512,7 +513,12 @@ def test_no_acceleration_passes_the_bound_and_some_come_near(draw_state):
         assert share.max() > 0.9
 
 
-def test_an_interface_is_of_ros_2(folder):
+def test_the_command_line_offers_every_format_and_interface():
+    assert [member.value for member in Format] == [*FORMATS, RUN_LOG]
+    assert [member.value for member in Interface] == list(INTERFACES)
+
+
+def test_only_ros2_has_a_choice_of_interface(folder):
     assert export(folder, "ros2", interface="velocity")
     with pytest.raises(InputError, match="interface = 'velocity' belongs to the format ros2, not to c; leave it out"):
         export(folder, "c", interface="velocity")
