@@ -27,7 +27,7 @@ class _Loop(ctypes.Structure):
 
 
 def compile_library() -> Any:
-    """The compiled library, None where there is no C compiler."""
+    """The compiled library, None if there is no C compiler."""
     compiler = shutil.which("gcc") or shutil.which("cc")
     if compiler is None:
         return None

@@ -166,7 +166,7 @@ def peers(loop: ClosedLoop, start: State, horizon: float) -> tuple[dict[str, Run
 
 
 def matched(run: Run, reference: np.ndarray) -> tuple[float, float] | None:
-    """(tolerance, error) of the loosest tolerance with an error below ERROR; None where none is in time."""
+    """(tolerance, error) of the loosest tolerance with an error below ERROR; None if none is in time."""
     for tolerance in TOLERANCES:
         begin = time.process_time()
         error = float(np.abs(run(tolerance) - reference).max())

@@ -1,4 +1,4 @@
-"""What the paper defines: vehicles, graph, excitation, controller, energies and conditions; no solver, no plot."""
+"""The paper's definitions: vehicles, graph, excitation, controller, energies and conditions; no solver, no plot."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = list(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
-    """Public names are imported when they are first used, so that one module does not load all."""
+    """Import a public name when it is first used, so that one module does not load all others."""
     if name in _HOMES:
         return getattr(importlib.import_module(f".{_HOMES[name]}", __name__), name)
     raise AttributeError(f"module 'gaincert.models' has no attribute {name!r}")

@@ -19,5 +19,5 @@ def column(values: Iterable[Any]) -> Array:
 
 
 def floats(values: Array) -> Array:
-    """An array of exact numbers as floats; a single number as one."""
+    """An array of exact numbers as floats; a single number as a float."""
     return np.asarray(values, dtype=float)[()]

@@ -19,6 +19,6 @@ class Deadline:
 
     @property
     def share(self) -> float:
-        """How much of the time is gone; more than 1 when it is up."""
+        """Time used / limit; above 1 after the limit."""
         gone = time.monotonic() - self._begin
         return gone / self._seconds if self._seconds > 0 else math.inf

@@ -1,4 +1,4 @@
-"""The digests that tie the files of a folder together: of the fleet, and of all that its controller computes with."""
+"""Digests that tie the files of a folder together: one of the fleet, one of all numbers of its controller."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ KEYS = ("fleet_digest", "gains_digest")  # of the entries of JSON files
 
 
 class Digests(NamedTuple):
-    """What a file belongs to."""
+    """The digests of the fleet and the gains that a file belongs to."""
 
     fleet: str  # of the fleet file's content: no leader's pose, starts or disturbance
     gains: str  # of gains, scales, psi, links, robots and the leader's pose
@@ -29,7 +29,7 @@ class Digests(NamedTuple):
 
     @classmethod
     def of_json(cls, content: Mapping[str, Any]) -> Digests:
-        """The digests that a file carries; an empty text where it carries none."""
+        """The digests in a file; empty texts if it has none."""
         return cls(*(str(content.get(key) or "") for key in KEYS))
 
     def __str__(self) -> str:
@@ -37,12 +37,12 @@ class Digests(NamedTuple):
         return f"fleet {self.fleet}, gains {self.gains}"
 
     def to_json(self) -> dict[str, str]:
-        """Entries that every JSON file of a folder has."""
+        """The entries for a JSON file."""
         return dict(zip(KEYS, self, strict=True))
 
 
 def gains_digest(used: Fleet, excitation: Excitation, gains: Gains) -> str:
-    """SHA-256 of all that the controller computes with: gains, scales, psi, links, robots and the leader's pose."""
+    """SHA-256 of all numbers of the controller: gains, scales, psi, links, robots and the leader's pose."""
     scales = gains.saturation.columns(len(used))
     content: dict[str, Any] = {
         "fleet": used.content(),

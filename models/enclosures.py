@@ -12,7 +12,7 @@ UNIT = 10**ENCLOSURE_DIGITS
 
 
 def sqrt_above(q: Fraction) -> Fraction:
-    """The square root of q >= 0 where it is rational, else a fraction above it, within 1e-40 of it."""
+    """The square root of q >= 0 if it is rational, else a fraction above it, within 1e-40 of it."""
     # sqrt(a / b) = sqrt(a b) / b; scaling a b by 10^(2 shift) gives the digits wanted.
     inside = q.numerator * q.denominator
     root = math.isqrt(inside)
@@ -24,7 +24,7 @@ def sqrt_above(q: Fraction) -> Fraction:
 
 
 def tanh_below(q: Fraction | float) -> Fraction | float:
-    """A fraction at or below tanh(q), q > 0, within 1e-40 of it; inf for an infinite q, where no limit is asked for."""
+    """A fraction at or below tanh(q), q > 0, within 1e-40 of it; inf for an infinite q."""
     if q == math.inf:
         return math.inf
     with _precision():

@@ -74,12 +74,12 @@ def pull(ops: Ops, weight: Array, scale: Array, distance: Array) -> Array:
 
 
 def formation_coordinates(plant: Plant, state: State) -> tuple[Array, Array, Array]:
-    """zbar = z - delta, m, of both coordinates, and theta, rad: what the graph compares, (..., N) each."""
+    """zbar = z - delta, m, of both coordinates, and theta, rad, (..., N) each. The graph compares these."""
     return state.x - plant.offset_x, state.y - plant.offset_y, state.theta
 
 
 def leader_coordinates(plant: Plant) -> tuple[Array, Array, Array]:
-    """z_l, m, and theta_l, rad: what the formation coordinates are to become."""
+    """z_l, m, and theta_l, rad: the values of the formation coordinates at the goal."""
     return plant.leader_x, plant.leader_y, plant.leader_theta
 
 
@@ -134,7 +134,7 @@ def control(
 ) -> tuple[Array, Array]:
     """The controller: left and right wheel torque, N m, where psi is the value of the excitation now.
 
-    `errors` are (8) and (10) where they are known already.
+    `errors` are (8) and (10) if they are known already.
     """
     errors = errors or consensus_errors(ops, plant, gains.saturation, state)
     u_v = linear_input(ops, gains, state, errors)

@@ -47,23 +47,23 @@ class FaultError(GaincertError):
     exit_code = 5
 
 
-FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM}  # what no other input would mend
+FULL = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.ENOMEM}  # no other input helps against these
 
 
 def write_error(what: object, error: OSError, remedy: str = "") -> GaincertError:
-    """The error of a place that cannot be written: a fault of the machine, or an input that names a wrong place."""
+    """The error for a file that cannot be written: FaultError for a full disk and the like, else InputError."""
     full = error.errno in FULL
     kind, remedy = (FaultError, "free some space and try again") if full else (InputError, remedy)
     return kind(f"{what}: cannot be written: {error.strerror or error}" + (f"; {remedy}" if remedy else ""))
 
 
 def last_line(error: Exception) -> str:
-    """What an error of another library says, in one line: it ends with the reason."""
+    """The last line of another library's error message; the reason is there."""
     lines = [line for line in str(error).splitlines() if line.strip()]
     return lines[-1][:200] if lines else "no message"
 
 
 def did_you_mean(word: Any, known: Iterable[str]) -> str:
-    """A likely word among the known ones, in brackets; nothing where none is near."""
+    """A similar known word, in brackets; empty without one."""
     close = difflib.get_close_matches(str(word), list(known)[:2000], 1)
     return f" (did you mean {close[0]!r}?)" if close else ""

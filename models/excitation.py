@@ -14,7 +14,7 @@ from .algebra.ops import Ops
 from .arrays import Array
 from .numbers import decimal_text
 
-CELLS = 20_000  # of the branch and bound at most
+CELLS = 20_000  # most cells of the branch and bound
 BOUND_EXCESS = Fraction(1, 10**9)  # a certified bound exceeds the supremum by at most this fraction of it
 
 
@@ -30,7 +30,7 @@ class Excitation:
     sin: tuple[Fraction, ...]
     cos: tuple[Fraction, ...] = ()
     over_pi: bool = False
-    terms: int | None = None  # of the square wave, so that a fleet file can be written back as it was
+    terms: int | None = None  # of the square wave; kept to write the fleet file back unchanged
 
     @classmethod
     def square_wave(cls, mean: Fraction, terms: int, frequency: Fraction) -> Excitation:
@@ -67,12 +67,12 @@ class Excitation:
         return psi
 
     def map(self, convert: Callable[[Fraction], Any]) -> Excitation:
-        """The same psi with every number converted: to floats, where it is evaluated often."""
+        """The same psi with every number converted, for example to floats."""
         numbers: dict[str, Any] = {"sin": tuple(map(convert, self.sin)), "cos": tuple(map(convert, self.cos))}
         return replace(self, mean=convert(self.mean), frequency=convert(self.frequency), **numbers)
 
     def table(self) -> dict[str, Any]:
-        """The [excitation] table of a fleet file that says the same, numbers as exact decimal strings."""
+        """The [excitation] table of this psi, numbers as exact decimal strings."""
         common = {"mean": decimal_text(self.mean), "frequency": decimal_text(self.frequency)}
         if self.terms is not None:
             return {"family": "square-wave", **common, "terms": self.terms}

@@ -66,7 +66,7 @@ class TorqueLimit(Table):
 
 
 class MotionLimits(Table):
-    """Limits that a certificate is to prove."""
+    """The limits that a certificate has to prove."""
 
     speed: Positive | None = None  # m/s
     turn_rate: Positive | None = None  # rad/s
@@ -170,7 +170,7 @@ class Links(Table):
 
 
 class SaturationTable(Table):
-    """The scales that the arguments of tanh are divided by; all 1 is the controller as the paper prints it."""
+    """The scales that divide the arguments of tanh; all 1 is the controller as the paper prints it."""
 
     position: Positive = Fraction(1)  # m, in (8)
     heading: Positive = Fraction(1)  # rad, in (10)
@@ -179,7 +179,7 @@ class SaturationTable(Table):
 
     @property
     def scales(self) -> Saturation:
-        """The same for the controller, exact."""
+        """The scales for the controller, exact."""
         return Saturation(self.position, self.heading, self.speed, self.turn_rate)
 
 

@@ -1,4 +1,4 @@
-"""The interconnection graph: a_ij between followers, a_il to the leader, and what Lemma 1 says of them."""
+"""The interconnection graph: a_ij between followers, a_il to the leader, and the test of Lemma 1."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ Indices = NDArray[np.int64]
 class Graph:
     """An undirected weighted graph on N vehicles with E edges, and its links to the leader.
 
-    The weights may be floats, `Fraction`s, SymPy numbers or CasADi symbols; all that is computed keeps that type.
+    The weights may be floats, `Fraction`s, SymPy numbers or CasADi symbols; results keep that type.
     """
 
     tail: Indices  # (E,), i of every edge (i, j)
@@ -44,7 +44,7 @@ class Graph:
 
     @cached_property
     def degree(self) -> Array:
-        """D_i = a_il + l_ii, (N,): all weight that meets vehicle i, (5)."""
+        """D_i = a_il + l_ii, (N,): the sum of the weights at vehicle i, (5)."""
         total = self.leader_weight.copy()
         np.add.at(total, self.tail, self.weight)
         np.add.at(total, self.head, self.weight)
@@ -82,8 +82,8 @@ class Graph:
     def roles(self) -> Indices:
         """The role of every vehicle, (N,), numbered from 0 in file order.
 
-        Vehicles that the weighted graph does not tell apart share one: the coarsest equitable partition, by colour
-        refinement from the leader links on.
+        Vehicles that the weighted graph does not tell apart share a role: the coarsest equitable partition, by colour
+        refinement that starts from the leader links.
         """
         met: list[list[tuple[Any, int]]] = [[] for _ in range(self.vehicles)]
         for i, j, weight in zip(self.tail.tolist(), self.head.tolist(), self.weight.tolist(), strict=True):
@@ -108,7 +108,7 @@ class Graph:
         while matrix.size:
             pivots.append(matrix[0, 0])
             if matrix[0, 0] <= 0:
-                break  # not positive definite; the last pivot says so
+                break  # not positive definite, as the last pivot shows
             matrix = matrix[1:, 1:] - np.outer(matrix[1:, 0], matrix[0, 1:]) / matrix[0, 0]
         return pivots
 

@@ -1,4 +1,4 @@
-"""What is wrong with the names and links of a fleet: (A1) of the theorem and a well-formed graph."""
+"""The mistakes in the names and links of a fleet: (A1) of the theorem and a well-formed graph."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import Any
 
 from .errors import did_you_mean
 
-SUGGESTED = 100  # mistakes up to which a likely name is sought among those of the fleet, which takes long
+SUGGESTED = 100  # above so many mistakes no similar names are suggested: the search takes long
 
 
 def graph_mistakes(names: Sequence[str], edges: Iterable[Any], leader_links: Mapping[str, Any]) -> list[str]:

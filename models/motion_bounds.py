@@ -1,4 +1,4 @@
-"""What the theorem bounds besides torques: the speeds and accelerations that a motion from rest never passes."""
+"""The speeds and accelerations that a motion from rest never exceeds, by the theorem."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from .gains import Gains
 
 
 class MotionBounds(NamedTuple):
-    """Bounds from rest, (N,) each; inf where the gains bound none."""
+    """Bounds from rest, (N,) each; inf if the gains give none."""
 
     speed: Array  # m/s
     turn_rate: Array  # rad/s
@@ -21,7 +21,7 @@ class MotionBounds(NamedTuple):
 def motion_bounds(numbers: Numbers, data: ConditionData, gains: Gains) -> MotionBounds:
     """(f) of the theorem and L1: |v| <= s atanh(sqrt2 p_v D / d_v), |v'| < (d_v + sqrt2 p_v D) / m, and so for turning.
 
-    Rounded up where `numbers` cannot be exact. Raises TypeError for numbers without atanh.
+    Rounded up if `numbers` is not exact. Raises TypeError for numbers without atanh.
     """
     if numbers.atanh is None:
         raise TypeError("motion bounds need atanh")

@@ -33,7 +33,7 @@ def exact(value: Any) -> Fraction:
     if not number.is_finite():
         raise ValueError("is not finite")
     digits = number.as_tuple().digits
-    count = len(digits) - (digits[-1] == 0)  # 1e60 written out has one more, a zero, and must read back
+    count = len(digits) - (digits[-1] == 0)  # 1e60 written out has one digit more, a zero, and must be readable
     if number and (abs(number.adjusted()) > MAX_EXPONENT or count > MAX_DIGITS):
         raise ValueError(f"has more than {MAX_DIGITS} digits or an exponent beyond {MAX_EXPONENT}")
     return Fraction(number)
@@ -55,7 +55,7 @@ def decimal_text(number: Fraction) -> str:
 
 @lru_cache(maxsize=2**10)
 def _decimal_places(denominator: int) -> int | None:
-    """How many places after the point a fraction in lowest terms has; None where no decimal equals it."""
+    """How many places after the point a fraction in lowest terms has; None if no decimal equals it."""
     twos = (denominator & -denominator).bit_length() - 1
     rest, fives = denominator >> twos, 0
     while rest % 5 == 0:
@@ -64,7 +64,7 @@ def _decimal_places(denominator: int) -> int | None:
 
 
 class Interval(NamedTuple):
-    """A parameter of which only bounds are known."""
+    """Bounds of a parameter that is not known exactly."""
 
     low: Fraction
     high: Fraction
@@ -81,7 +81,7 @@ def high(parameter: Fraction | Interval) -> Fraction:
 
 
 def nominal(parameter: Fraction | Interval) -> Fraction:
-    """The value that simulations take: the midpoint of an interval."""
+    """The value for simulations: the midpoint of an interval."""
     return (parameter.low + parameter.high) / 2 if isinstance(parameter, Interval) else parameter
 
 

@@ -1,4 +1,4 @@
-"""The saturation scales: what the argument of each tanh of the controller is divided by."""
+"""The saturation scales: each divides the argument of one tanh of the controller."""
 
 from __future__ import annotations
 

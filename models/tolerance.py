@@ -1,4 +1,4 @@
-"""What counts as settled."""
+"""The tolerance within which a fleet counts as settled."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Tolerance:
-    """What counts as settled: every vehicle within both, from that time on."""
+    """Settled: from some time on every vehicle is within both tolerances."""
 
     position: float = 0.1  # m, Euclidean
     heading: float = 0.1  # rad, not modulo 2 pi

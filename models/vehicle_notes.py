@@ -49,7 +49,7 @@ def heading_hint(vehicle: Vehicle, leader: Leader) -> str | None:
     if vehicle.start is None:
         return None
     error = vehicle.start.theta - leader.theta
-    turns = math.ceil(abs(error) / math.tau - 0.5 - 1e-9)  # whole ones that leave at most half a turn
+    turns = math.ceil(abs(error) / math.tau - 0.5 - 1e-9)  # whole turns; without them at most half a turn is left
     if turns == 0:
         return None
     nearer = math.degrees(vehicle.start.theta - math.copysign(turns * math.tau, error))

@@ -1,4 +1,4 @@
-"""Warnings as lines on standard error, in the command line's format, from this process and from its workers."""
+"""Warnings as lines on standard error, in the command line's format, from this process and its workers."""
 
 from __future__ import annotations
 
@@ -28,5 +28,5 @@ def show_warnings(level: int) -> None:
 
 
 def shown_level() -> int | None:
-    """The level of `show_warnings`, None where it was never called: a library leaves logging to its user."""
+    """The level of `show_warnings`, None before the first call: a library leaves logging to its user."""
     return LOGGER.level if any(isinstance(handler, _Line) for handler in LOGGER.handlers) else None

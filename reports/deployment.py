@@ -35,7 +35,7 @@ class Deployment:
     excitation: Excitation
     gains: Gains  # exact, (N,)
     fleet_digest: str  # of the fleet file's content
-    certificate_digest: str | None  # SHA-256 of certificate.json, None where there is none
+    certificate_digest: str | None  # SHA-256 of certificate.json, None if there is none
     conditions: str | None
     facts: tuple[str, ...] = ()  # what the certificate proves, in the kernel's sentences
 
@@ -68,7 +68,7 @@ def write_fleet_copy(fleet: Fleet, folder: Path) -> None:
 
 
 def fleet_of_folder(folder: Path, given: Path | None = None) -> Fleet:
-    """The fleet of a folder, or the one in the file that is given. Raises InputError where there is neither."""
+    """The fleet of a folder, or the one in the file that is given. Raises InputError if there is neither."""
     if given is not None:
         return load_fleet(given)
     if not (folder / FLEET_COPY).is_file():
@@ -77,7 +77,7 @@ def fleet_of_folder(folder: Path, given: Path | None = None) -> Fleet:
 
 
 def load_deployment(folder: Path, fleet: Fleet) -> Deployment:
-    """What a folder holds for a fleet. Raises InputError where files are missing or do not belong together."""
+    """What a folder holds for a fleet. Raises InputError if files are missing or do not belong together."""
     design, certificate = folder / "design.json", folder / "certificate.json"
     if not design.is_file() and not certificate.is_file():
         raise InputError(f"{folder}: holds neither design.json nor certificate.json; run gaincert design or certify")

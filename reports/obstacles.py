@@ -52,7 +52,7 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
 
 
 def of_control_rate(sample_time: float | None, largest: float | None) -> list[Obstacle]:
-    """The fleet's sample time against the largest with which the design still settles, s; None where unknown."""
+    """The fleet's sample time against the largest with which the design still settles, s; None if unknown."""
     if sample_time is None or largest is None or sample_time <= largest:
         return []
     what = (

@@ -87,7 +87,7 @@ class RunResult(ResultFile):
 
 
 class SpreadResult(Part):
-    """Settling times of many starts, s; None where not settled."""
+    """Settling times of many starts, s; None if not settled."""
 
     median: float | None
     p90: float | None

@@ -96,7 +96,7 @@ class Starts:
 
 @dataclass(frozen=True)
 class DisturbanceOptions:
-    """What the command line says of real robots; None where it says nothing."""
+    """What the command line says of real robots; None if it says nothing."""
 
     sample_time: float | None = None  # s
     delay: float | None = None  # s
@@ -106,7 +106,7 @@ class DisturbanceOptions:
     lost_link: tuple[str, str, float] | None = None  # vehicle, vehicle, s
 
     def of(self, fleet: Fleet, seed: int) -> Disturbance | None:
-        """The fleet's [disturbance] with these options in its place; None where neither is given. Raises InputError."""
+        """The fleet's [disturbance] with these options in its place; None if neither is given. Raises InputError."""
         from dataclasses import replace
 
         from ..verify.simulation.disturbance import checked, of_table

@@ -10,7 +10,7 @@ import cvxpy as cp
 class Elementwise:
     """A cvxpy expression of shape (N,) that behaves as a NumPy array does."""
 
-    __array_ufunc__ = None  # NumPy leaves array * Elementwise to us
+    __array_ufunc__ = None  # array * Elementwise calls our __rmul__, not NumPy's loop
 
     def __init__(self, expression: Any) -> None:
         self.expression = expression

@@ -1,7 +1,7 @@
 """The small algebra over which the paper's equations are written once.
 
 An `Ops` holds the elementwise functions and the two graph verbs that the equations need. NumPy, SymPy and
-CasADi each have a member, so what is proved, simulated and shipped is one and the same code.
+CasADi each have a member, so the same code is proved, simulated and exported.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def numpy_ops() -> Ops:
 
 
 def sparse_ops(graph: Graph, number: type[Any] = float) -> Ops:
-    """Ops over NumPy arrays of type `number` for one graph, large or in many states at once: compiled sparse sums."""
+    """Ops over NumPy arrays of type `number` for one graph, with compiled sparse sums: for large graphs, many states."""
     import numpy as np
     from scipy.sparse import csr_array
 
@@ -66,14 +66,14 @@ def sparse_ops(graph: Graph, number: type[Any] = float) -> Ops:
 def flat_ops(graph: Graph) -> Ops:
     """Ops over NumPy float arrays for one large graph: sparse sums at the vehicles, sin and cos by one vectorised tan.
 
-    An array must not change while it is in use: what was found for it is kept until another one comes.
+    An array must not change while it is in use: results for the last array are kept.
     """
     turn = _kept(_half_angle)
     return replace(sparse_ops(graph), sin=lambda s: turn(s)[0], cos=lambda s: turn(s)[1])
 
 
 def _kept(function: Callable[[Array], Any]) -> Callable[[Array], Any]:
-    """The function, which finds its value for the same array once."""
+    """The function with its last result kept: the same array is computed once."""
     last: list[Any] = [None, None]
 
     def apply(s: Array) -> Any:
@@ -87,7 +87,7 @@ def _kept(function: Callable[[Array], Any]) -> Callable[[Array], Any]:
 def _half_angle(s: Array) -> tuple[Array, Array]:
     """(sin s, cos s), from u = tan(s / 2): 2u / (1 + u^2) and 2 / (1 + u^2) - 1, within 4e-16.
 
-    NumPy's tan of doubles is vectorised where its sin and cos are not: six times faster together.
+    NumPy vectorises tan of doubles, but not sin and cos: this is six times faster.
     """
     import numpy as np
 
@@ -157,7 +157,7 @@ def casadi_column(values: Any) -> Any:
 
 
 def _edge_difference(graph: Graph, z: Array) -> Array:
-    # Transposed, so that what is gathered are whole rows: arrays over many states have the vehicles outermost.
+    # Transposed, to gather whole rows: arrays over many states have the vehicles outermost.
     return (z.T[graph.tail] - z.T[graph.head]).T
 
 

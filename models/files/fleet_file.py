@@ -27,7 +27,7 @@ class FleetFile(NamedTuple):
     """A fleet and the robot descriptions that its file names."""
 
     fleet: Fleet
-    robots: tuple[Robot | None, ...]  # of each vehicle; empty where the file names none
+    robots: tuple[Robot | None, ...]  # of each vehicle; empty if the file names none
 
 
 def load_fleet(path: str | Path) -> Fleet:
@@ -36,13 +36,13 @@ def load_fleet(path: str | Path) -> Fleet:
 
 
 def load_fleet_file(path: str | Path) -> FleetFile:
-    """The fleet described by a TOML file, and where its robots' numbers come from. Raises InputError."""
+    """The fleet described by a TOML file, and its robot descriptions. Raises InputError."""
     path = Path(path)
     return parse_file(read_toml(path), path.parent)
 
 
 def read_toml(path: Path) -> dict[str, Any]:
-    """A TOML file with exact decimals. Raises InputError where it cannot be read or parsed."""
+    """A TOML file with exact decimals. Raises InputError if it cannot be read or parsed."""
     text = read_text(path, MAX_TOML_BYTES)
     try:
         return tomllib.loads(text, parse_float=Decimal)
@@ -86,7 +86,7 @@ _VEHICLE_COLUMNS = {
 
 
 def _with_tables(content: dict[str, Any], folder: Path) -> dict[str, Any]:
-    """The content with the CSV tables that it names read in their place."""
+    """The content with every CSV table that it names read in."""
     content = dict(content)
     if isinstance(content.get("vehicles"), str):
         if "vehicle" in content:
@@ -121,7 +121,7 @@ _LINE = re.compile(r"[^\r\n]++(?:\r\n?|\n)?|\r\n?|\n")
 
 
 def csv_rows(path: Path) -> tuple[list[str], list[dict[str, str]]]:
-    """The first line of a CSV table and its rows, whatever they hold. Raises InputError."""
+    """The first line of a CSV table and its rows, unchecked. Raises InputError."""
     # Not splitlines: a quoted name may hold a line break, or what Unicode calls one.
     reader = csv.DictReader(found[0] for found in _LINE.finditer(read_text(path, MAX_CSV_BYTES)))
     try:
@@ -142,7 +142,7 @@ def read_csv(path: Path, columns: list[str]) -> list[dict[str, str]]:
 
 
 def _raw_graph_mistakes(content: dict[str, Any]) -> list[str]:
-    """The mistakes in the links of content whose tables did not validate, as far as it can be read."""
+    """The mistakes in the links of invalid content, as far as it can be read."""
     vehicles, graph = content.get("vehicle"), content.get("graph")
     if not isinstance(vehicles, list) or not isinstance(graph, dict):
         return []

@@ -31,7 +31,7 @@ def dumps(fleet: Fleet) -> str:
 
 
 def _entries(table: Table) -> dict[str, Any]:
-    """The keys of a table that say something, as they are called in a file."""
+    """The keys of a table that differ from their defaults, with their names in a file."""
     return {
         field.alias or name: getattr(table, name)
         for name, field in type(table).model_fields.items()

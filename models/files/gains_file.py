@@ -27,16 +27,16 @@ from .text import read_text
 
 @dataclass(frozen=True)
 class GainsFile:
-    """What a gains file says."""
+    """The content of a gains file."""
 
     gains: Gains  # exact, (N,), with their scales
     excitation: Excitation  # the file's own, else the fleet's
-    conditions: str | None  # the condition set that they were designed for
-    links: Links | None = None  # the weights that they were designed with, None for the fleet's own
+    conditions: str | None  # the condition set that the gains were designed for
+    links: Links | None = None  # the weights that the gains were designed with; None: the fleet's own
 
 
 class _Content(NamedTuple):
-    """What a reader finds in a file, not yet checked."""
+    """The values in a file, not yet checked."""
 
     gains: Mapping[str, Any]  # by name
     saturation: Mapping[str, Any]  # by name; a scale that is left out is 1
@@ -186,7 +186,7 @@ def _excitation(path: Path, table: Any) -> Excitation:
 
 
 def _links(path: Path, weights: Any, fleet: Fleet) -> Links:
-    """Designed weights: on the fleet's own links, and no others."""
+    """The designed weights. Their links must be the fleet's own."""
     try:
         links = Links.model_validate(weights)
         fleet.with_links(links)

@@ -1,4 +1,4 @@
-"""What pydantic finds wrong with a fleet file, in a reader's words: the thing, its value, what is wanted."""
+"""Pydantic's errors about a fleet file in plain words: the thing, its value, and what is required."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ..fleet import Fleet
 
 
 def explain(item: Any, content: dict[str, Any]) -> list[str]:
-    """The lines of one pydantic error: the thing, its value and what is wanted."""
+    """The lines of one pydantic error: the thing, its value and what is required."""
     kind, value = item["type"], item["input"]
     if kind == "graph":
         return str(item["msg"]).split("\n")
@@ -34,7 +34,7 @@ def _requirement(item: Any) -> str:
     return _WANTED.get(kind, f"is not valid: {words[0].lower()}{words[1:]}")
 
 
-_WANTED = {  # pydantic's words, where they speak of Python
+_WANTED = {  # replaces pydantic's messages about Python types
     "dict_type": "must be a table",
     "model_type": "must be a table",
     "string_type": "must be a text in quotes",
@@ -45,7 +45,7 @@ _WANTED = {  # pydantic's words, where they speak of Python
 
 
 def _place(loc: list[Any], content: dict[str, Any]) -> tuple[str, str]:
-    """Where an error lies, in a reader's words, and the key."""
+    """The place of an error, in plain words, and the key."""
     parts = [part for i, part in enumerate(loc) if i > 1 or part not in ("square-wave", "harmonics")]
     if parts[:1] == ["vehicle"] and len(parts) > 1:
         vehicle = content["vehicle"][parts[1]]
@@ -79,7 +79,7 @@ def _table_in(annotation: Any) -> Any:
 
 
 def shown(value: Any) -> str:
-    """A value of a file in a message, cut where it is long."""
+    """A value of a file for a message, shortened if it is long."""
     try:
         text = repr(value) if isinstance(value, str) else str(value)
     except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply

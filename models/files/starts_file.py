@@ -18,7 +18,7 @@ COLUMNS = ["start", "vehicle", "x", "y", "theta", "v", "omega"]
 def load_starts(path: Path, fleet: Fleet) -> list[State]:
     """The starts of a CSV file with the columns start,vehicle,x,y,theta,v,omega (m, rad, m/s, rad/s).
 
-    Raises InputError where a row is malformed or a start does not name every vehicle once.
+    Raises InputError if a row is malformed or a start does not name every vehicle once.
     """
     index = {name: i for i, name in enumerate(fleet.names)}
     found: dict[str, dict[int, list[float]]] = {}

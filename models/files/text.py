@@ -52,13 +52,13 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise InputError or FaultError where no file can be written into a folder; nothing of the try is left."""
+    """Raise InputError or FaultError if no file can be written into a folder. The test file and new folders are removed."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         write_whole(folder / ".gaincert-try", lambda _file: None).unlink()
     finally:
         for path in missing:
-            with suppress(OSError):  # it was not made, or somebody else uses it
+            with suppress(OSError):  # it was not created, or is in use
                 path.rmdir()
 
 

@@ -39,7 +39,7 @@ class _Inputs(NamedTuple):
 def control_source(excitation: Excitation, degrees: Iterable[int]) -> str:
     """Static C functions `casadi_torques_D` for every number of neighbours D, and the helpers that they call.
 
-    Raises UndecidedError where CasADi writes C that this module does not know: nothing unchecked is exported.
+    Raises UndecidedError if CasADi writes C that this module does not know: nothing unchecked is exported.
     """
     import casadi as ca
 

@@ -24,7 +24,7 @@ _COLUMNS = ("x", "y", "theta", "v", "omega", "tau_left", "tau_right")
 
 
 def write_run_log(folder: Path, fleet: Fleet) -> list[Path]:
-    """Write both logs of DIR/trajectory.npz. Raises InputError where there is no run of this fleet, or no mcap."""
+    """Write both logs of DIR/trajectory.npz. Raises InputError if there is no run of this fleet, or no mcap."""
     path = folder / "trajectory.npz"
     if not path.is_file():
         raise InputError(f"{path}: is not there; run gaincert simulate first")

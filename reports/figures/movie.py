@@ -29,7 +29,7 @@ Progress = Callable[[str, float], None]
 def write_movie(folder: Path, kind: str, fleet_path: Path | None, progress: Progress) -> Path:
     """DIR/animation.gif or .mp4 from DIR/trajectory.npz.
 
-    Raises InputError where there is no trajectory, no fleet or, for mp4, no ffmpeg.
+    Raises InputError if there is no trajectory, no fleet or, for mp4, no ffmpeg.
     """
     ffmpeg = shutil.which("ffmpeg")
     if kind == "mp4" and ffmpeg is None:

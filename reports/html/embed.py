@@ -19,7 +19,7 @@ _NAMED = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z]+;")  # characters th
 
 
 def figure_data(paths: list[Path]) -> list[str | None]:
-    """A data URI for each figure (a path without its suffix), None where there is no file or no room left."""
+    """A data URI for each figure (a path without its suffix), None if there is no file or no room left."""
     room = FIGURE_BYTES
     found: list[str | None] = []
     for path in paths:

@@ -80,7 +80,7 @@ class Page:
 
 
 def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
-    """Write DIR/report.html from the files in DIR that belong together. Raises InputError where there are none.
+    """Write DIR/report.html from the files in DIR that belong together. Raises InputError if there are none.
 
     The fleet is read from the file that is given, else from the folder's copy; without either there is no animation.
     """

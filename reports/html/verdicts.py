@@ -115,7 +115,7 @@ def _spread_text(spread: SpreadResult) -> str:
 
 
 def in_words(said: dict[str, Any] | None) -> str:
-    """A disturbance of a JSON file, for a reader. Raises TypeError where it is none."""
+    """A disturbance of a JSON file, for a reader. Raises TypeError if it is none."""
     return Disturbance(**(said or {})).in_words()
 
 

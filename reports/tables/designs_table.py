@@ -40,7 +40,7 @@ class DesignRow(NamedTuple):
     ratio: str
     peak: str
     speed: str
-    times: tuple[float, ...]  # s, inf where not settled
+    times: tuple[float, ...]  # s, inf if not settled
 
 
 def design_rows(folder: Path) -> list[DesignRow]:
@@ -96,7 +96,7 @@ def for_terminal(rows: list[DesignRow]) -> TerminalTable:
 
 
 def read_json(path: Path) -> Any:
-    """The content of a JSON file, None where there is no such file. Raises InputError where it is not JSON."""
+    """The content of a JSON file, None if there is no such file. Raises InputError if it is not JSON."""
     if not path.is_file():
         return None
     try:

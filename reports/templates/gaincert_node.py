@@ -47,7 +47,7 @@ class Library:
     """The generated C controller, loaded as a shared library."""
 
     def __init__(self, path: Path, gains_digest: str, size: int) -> None:
-        """Load it. Raises ValueError where it was generated from other gains than the parameters."""
+        """Load it. Raises ValueError if it was generated from other gains than the parameters."""
         self._c = ctypes.CDLL(str(path.resolve()))
         self._c.gaincert_gains_digest.restype = ctypes.c_char_p
         for name in ("gaincert_torque_bound", "gaincert_torque_limit"):

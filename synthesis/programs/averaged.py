@@ -127,9 +127,9 @@ class AveragedProgram:
         self._upper = np.array([*[7.0] * 5, high, 5.0, 5.0, 9.0, 3.0])
 
     def solve(self, start: Scalars) -> Optimum | None:
-        """(scalars, predicted settling time in s) of a local optimum, None where IPOPT does not report one.
+        """(scalars, predicted settling time in s) of a local optimum, None if IPOPT does not report one.
 
-        An answer outside the bounds is none, whatever IPOPT calls it. Raises RuntimeError where IPOPT breaks down or
+        An answer outside the bounds is none, whatever IPOPT calls it. Raises RuntimeError if IPOPT breaks down or
         its time runs out.
         """
         x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)

@@ -18,8 +18,8 @@ def nearest(
 ) -> Gains | None:
     """The gains within the conditions that are nearest to a target in relative terms: a second-order cone program.
 
-    `data` and `target` are floats; `seconds` limits the solve. None where Clarabel reports no optimum.
-    Raises UndecidedError where it breaks down.
+    `data` and `target` are floats; `seconds` limits the solve. None if Clarabel reports no optimum.
+    Raises UndecidedError if it breaks down.
     """
     import cvxpy as cp
 

@@ -22,7 +22,7 @@ def flat_tones(seconds: float = FAST.clarabel_seconds, count: int = TONES) -> Ex
 
     The mean and the even harmonics cost psi_bar and move nothing (docs/theory.md 7.2), and kappa grows with the square
     of the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are
-    symmetric, so that a quarter period is enough. Raises UndecidedError where Clarabel does not find it in `seconds`.
+    symmetric, so that a quarter period is enough. Raises UndecidedError if Clarabel does not find it in `seconds`.
     """
     import cvxpy as cp
 

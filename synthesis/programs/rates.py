@@ -60,7 +60,7 @@ def fastest(
 
     The variables 1/p and d/p make C - 2 gamma M >= 0, L_l - gamma C + gamma^2 M >= 0 and the torque linear for a fixed
     gamma. `ratio` asks for d >= ratio p D besides, as (15) and (15') do for a given excitation. `seconds` limits each
-    solve. None where Clarabel finds no gains that it calls optimal. Raises UndecidedError where it breaks down.
+    solve. None if Clarabel finds no gains that it calls optimal. Raises UndecidedError if it breaks down.
     """
     low, high, best = 1e-6, 1e6, None
     for _ in range(BISECTIONS):
@@ -73,7 +73,7 @@ def fastest(
 def _feasible(
     channel: Channel, laplacian: Floats, ratio: float, gamma: float, seconds: float
 ) -> tuple[Floats, Floats] | None:
-    """Gains (p, d) with rate gamma, None where there are none. The solver's status only chooses; certificates check."""
+    """Gains (p, d) with rate gamma, None if there are none. The solver's status only chooses; certificates check."""
     import cvxpy as cp
 
     count = len(channel.inertia)

@@ -26,7 +26,7 @@ def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Link
 
     The slowest mode sets the tail and the exponential rates (docs/theory.md 7); scaling all weights together changes
     nothing once the gains are designed for them. For a fixed lambda, L_l - lambda D >= 0 is linear in the weights: a
-    bisection on semidefinite programs of at most `seconds` each. Raises UndecidedError where the fleet is too large or
+    bisection on semidefinite programs of at most `seconds` each. Raises UndecidedError if the fleet is too large or
     Clarabel finds nothing.
     """
     if len(fleet) > DENSE_VEHICLES:
@@ -45,7 +45,7 @@ def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Link
 
 
 def _weights(fleet: Fleet, slowest: float, seconds: float) -> tuple[Any, Any] | None:
-    """(edge weights, leader weights) with lambda_min >= slowest, None where there are none."""
+    """(edge weights, leader weights) with lambda_min >= slowest, None if there are none."""
     import cvxpy as cp
 
     graph = fleet.graph.map(lambda column: np.asarray(column, dtype=float))

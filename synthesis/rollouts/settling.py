@@ -45,7 +45,7 @@ class Limits(NamedTuple):
 class Settling(NamedTuple):
     """The outcome of one rollout."""
 
-    time: float  # s, from which all vehicles stay within the tolerance; inf where not by the horizon
+    time: float  # s, from which all vehicles stay within the tolerance; inf if not by the horizon
     excess: float  # the largest error over its tolerance at the end
     end: float  # s, when the rollout ended
     final: State  # then, (N,) each

@@ -78,7 +78,7 @@ class ClosedLoop:
         return np.asarray(energy.rotational(self.ops, self.plant, self.gains, state))
 
     def certified_speeds(self, start: State) -> tuple[Floats, Floats]:
-        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) for all runs from a start, (N,); inf where none holds."""
+        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) for all runs from a start, (N,); inf if none holds."""
         numbers, gains, scale = float_numbers(), self.gains, self.gains.saturation
         if not self.bounded:
             return np.full(self.vehicles, np.inf), np.full(self.vehicles, np.inf)

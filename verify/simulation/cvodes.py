@@ -23,7 +23,7 @@ class CasadiIntegrator:
     def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float, multistep: str) -> None:
         """Build the integrator; `tolerance` is relative and absolute, `multistep` is bdf or adams.
 
-        Raises UndecidedError where CasADi cannot build it.
+        Raises UndecidedError if CasADi cannot build it.
         """
         n = loop.vehicles
         self.loop, self.step, self.per_piece = loop, step, max(1, round(piece / step))
@@ -49,7 +49,7 @@ class CasadiIntegrator:
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
         """Piece after piece of the solution from time `begin` (s): times (K,) and states (K, N).
 
-        Raises UndecidedError where CVODES stalls.
+        Raises UndecidedError if CVODES stalls.
         """
         x = np.concatenate(start)
         while True:

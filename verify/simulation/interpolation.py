@@ -33,7 +33,7 @@ def interval_peaks(values: Floats, slopes: Floats, step: float) -> Peaks:
 
 
 def last_above_one(values: Floats, slopes: Floats, step: float) -> float | None:
-    """The last time, s from the first point, at which one of q (K, Q) is above 1; None where none ever is."""
+    """The last time, s from the first point, at which one of q (K, Q) is above 1; None if none ever is."""
     outside = np.flatnonzero(interval_peaks(values, slopes, step).size.max(axis=1) > 1)
     if not outside.size:
         return None

@@ -51,7 +51,7 @@ class Peak:
 class Outcome:
     """What was measured of one run."""
 
-    settling_time: float  # s; inf where not settled at the end, or too late to see that it stays settled
+    settling_time: float  # s; inf if not settled at the end, or too late to see that it stays settled
     approach: Approach  # what the error does at the end
     torque_ratio: Peak  # |torque| over its limit
     speed: Peak  # |v|, m/s

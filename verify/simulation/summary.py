@@ -24,7 +24,7 @@ class IntegrationError(NamedTuple):
 class Summary:
     """What one run of a fleet came to."""
 
-    settling_time: float  # s; inf where not settled at the end
+    settling_time: float  # s; inf if not settled at the end
     approach: Approach  # what the error does at the end, where not settled
     tolerance: Tolerance
     horizon: float  # s

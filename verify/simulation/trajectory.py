@@ -47,7 +47,7 @@ class Trajectory:
 
     @property
     def made_by(self) -> Integrator:
-        """The integrator. Raises ValueError where none is known: such a run cannot be refined between its points."""
+        """The integrator. Raises ValueError if none is known: such a run cannot be refined between its points."""
         if self.integrator is None:
             raise ValueError("this trajectory was read from a file or disturbed; only one of simulate can be refined")
         return self.integrator
@@ -70,7 +70,7 @@ def read_labels(path: Path, names: Iterable[str]) -> dict[str, str]:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """The run in a trajectory.npz. Raises InputError where the file is not one."""
+    """The run in a trajectory.npz. Raises InputError if the file is not one."""
     names = ("t", *State._fields, "tau_left", "tau_right", "V", "W")
     try:
         with np.load(path, allow_pickle=False) as stored:

@@ -20,7 +20,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class DisturbedRuns:
-    """All starts under one disturbance, beside their nominal settling times (s, None where not settled)."""
+    """All starts under one disturbance, beside their nominal settling times (s, None if not settled)."""
 
     disturbance: Disturbance
     outcomes: Outcomes
@@ -28,7 +28,7 @@ class DisturbedRuns:
 
     @property
     def times(self) -> list[float | None]:
-        """The settling time of each start, s; None where it did not settle."""
+        """The settling time of each start, s; None if it did not settle."""
         return [float(time) if time < float("inf") else None for time in self.outcomes.settling_time]
 
     @property
@@ -65,7 +65,7 @@ class Robustness:
 
     disturbed: tuple[DisturbedRuns, ...] = ()
     searched: bool = False  # whether the largest sample time was looked for
-    largest_sample_time: float | None = None  # s; None where no sample time lets all starts settle
+    largest_sample_time: float | None = None  # s; None if no sample time lets all starts settle
 
     def to_json(self) -> dict[str, Any]:
         """Its entries of validation.json."""

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 
 class Spread(NamedTuple):
-    """Quantiles over all starts, s; None where the quantile falls among starts that did not settle."""
+    """Quantiles over all starts, s; None if the quantile falls among starts that did not settle."""
 
     median: float | None
     p90: float | None
@@ -23,7 +23,7 @@ class Spread(NamedTuple):
 
 
 def _quantile(ordered: Sequence[float], missing: int, share: float) -> float | None:
-    """The quantile with linear interpolation; None where it falls among the `missing` later ones."""
+    """The quantile with linear interpolation; None if it falls among the `missing` later ones."""
     place = share * (len(ordered) + missing - 1)
     below, fraction = int(place), place - int(place)
     above = below + (fraction > 0)

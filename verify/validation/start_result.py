@@ -12,7 +12,7 @@ from ..simulation.monitor import NamedPeak
 class Measurement:
     """What was measured of the run from one start."""
 
-    settling_time: float | None  # s; None where not settled at the horizon
+    settling_time: float | None  # s; None if not settled at the horizon
     torque_ratio: NamedPeak  # |torque| divided by its limit
     speed: NamedPeak  # |v|, m/s
     turn_rate: NamedPeak  # |omega|, rad/s
@@ -28,13 +28,13 @@ class StartResult:
     """One start: what was measured, or why the integrator gave up."""
 
     start: int  # its number
-    measurement: Measurement | None  # None where the integrator gave up
+    measurement: Measurement | None  # None if the integrator gave up
     failure: str | None  # why the start counts as not settled
     violations: tuple[str, ...] = ()  # broken promises of the theorem, one sentence each
 
     @property
     def settling_time(self) -> float | None:
-        """The settling time, s; None where the start did not settle."""
+        """The settling time, s; None if the start did not settle."""
         return self.measurement.settling_time if self.measurement else None
 
     def to_json(self) -> dict[str, Any]:

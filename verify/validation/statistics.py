@@ -29,7 +29,7 @@ class ValidationResults:
 
     spec: ValidationSpec
     results: Sequence[StartResult]
-    seed: int | None  # of the starts; None where a file holds them
+    seed: int | None  # of the starts; None if a file holds them
     robustness: Robustness = UNTRIED
 
     @property
@@ -59,7 +59,7 @@ class ValidationResults:
 
     @property
     def worst(self) -> tuple[int, Measurement] | None:
-        """The start with the largest torque ratio; None where no start was measured."""
+        """The start with the largest torque ratio; None if no start was measured."""
         return max(self._measured, key=lambda entry: entry[1].torque_ratio.value, default=None)
 
     @property

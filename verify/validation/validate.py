@@ -113,7 +113,7 @@ def validate(
 ) -> list[StartResult]:
     """The results of all starts in order: those in the folder's results file, and the others by the executor.
 
-    Raises UndecidedError where workers die. Finished starts are stored, and the same call goes on from there.
+    Raises UndecidedError if workers die. Finished starts are stored, and the same call goes on from there.
     """
     with ResultsFile(folder, spec.key, spec.content) as file:
         jobs = ((spec, k, start) for k, start in enumerate(starts) if k not in file.done)

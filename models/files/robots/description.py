@@ -1,4 +1,4 @@
-"""What a robot description yields: the numbers of (2) and the motor limits, each with its source."""
+"""The numbers of (2) and the motor limits from a robot description, each with its source."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ PLACES = 12
 
 @dataclass(frozen=True)
 class RobotDescription:
-    """A differential drive, as its description has it; quantities that it does not tell are left out."""
+    """A differential drive, as described; unknown quantities are left out."""
 
     path: Path
     numbers: dict[str, Quantity]  # mass, inertia, half_track, wheel_radius, wheel_inertia, torque_limit_left, ...
@@ -52,7 +52,7 @@ class RobotDescription:
 
 
 def read_robot(path: Path, names: WheelNames | None = None, given: Iterable[str] = ()) -> RobotDescription:
-    """Read a URDF or xacro file. `given` are the keys that the fleet file states itself: what it says wins.
+    """Read a URDF or xacro file. `given` are the keys of the fleet file, which replace the description's.
 
     The robot is one rigid body in the plane: masses add up, and by the parallel-axis theorem so do the yaw inertias
     about the point midway between its drive wheels. Raises InputError with a line for every mistake.
@@ -86,7 +86,7 @@ _HOLONOMIC = re.compile(
 
 
 def _holonomic(tree: Tree, extensions: Sequence[Any]) -> str | None:
-    """The word in a plugin, a mesh or a name that says that the robot moves sideways; None where there is none."""
+    """The word in a plugin, mesh or name by which the robot moves sideways; None without one."""
     plugins = (plugin for extension in extensions for plugin in extension.iter("plugin"))
     words = [word for plugin in plugins for word in (plugin.get("filename"), plugin.get("name"))]
     words += [mesh.get("filename") for link in tree.links.values() for mesh in link.iter("mesh")]
@@ -123,9 +123,9 @@ def _radius(wheels: DriveWheels) -> Quantity:
 
 
 def _body_numbers(tree: Tree, wheels: DriveWheels, given: frozenset[str], warnings: list[str]) -> dict[str, Quantity]:
-    """Mass, yaw inertia, centre of mass and wheel inertia. Raises InputError where they cannot be.
+    """Mass, yaw inertia, centre of mass and wheel inertia. Raises InputError for impossible values.
 
-    Where the fleet file gives mass and inertia itself, what is wrong with the links is a warning.
+    If the fleet file gives mass and inertia, mistakes in the links are only warnings.
     """
     bodies, mistakes = read_bodies(tree)
     mass = sum((body.mass for body in bodies), Fraction(0))
@@ -161,7 +161,7 @@ def _body_numbers(tree: Tree, wheels: DriveWheels, given: frozenset[str], warnin
 
 
 def _turning_links(tree: Tree, wheel: Wheel) -> set[str]:
-    """The links that turn with a wheel: its own and what fixed joints tie to it."""
+    """The links that turn with a wheel: its own and those that fixed joints tie to it."""
     return tree.rigid_with(wheel.joint.child)
 
 
@@ -184,7 +184,7 @@ def _wheel_inertia(wheels: DriveWheels, turning: list[set[str]], bodies: list[Bo
 
 
 def _motor_limits(wheels: DriveWheels, warnings: list[str]) -> dict[str, Quantity]:
-    """Torque limits of the sides (the sum of their wheels') and the wheel-speed limit that <limit> tells."""
+    """Torque limits of the sides (the sum of their wheels') and the wheel-speed limit, both from <limit>."""
     found: dict[str, Quantity] = {}
     for wheel in wheels.all:
         for key, value in (("effort", wheel.joint.effort), ("velocity", wheel.joint.velocity)):
@@ -210,5 +210,5 @@ def _joints(wheels: Sequence[Wheel]) -> str:
 
 
 def _decimal(value: float) -> Fraction:
-    """The number that a fleet file can hold. Raises ValueError where it is of absurd size."""
+    """The number as a fleet file holds it. Raises ValueError if it is absurdly large or small."""
     return exact(f"{value:.{PLACES}{'f' if abs(value) >= 1 else 'g'}}")

@@ -1,4 +1,4 @@
-"""The XML of a robot description: read safely, xacro expanded, what is not URDF refused by name."""
+"""The XML of a robot description: read safely, with xacro expanded; other formats are refused by name."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _XACRO = ("{http://www.ros.org/wiki/xacro}", "{http://ros.org/wiki/xacro}", "{ht
 
 
 def read_document(path: Path, max_bytes: int = MAX_URDF_BYTES) -> Any:
-    """The <robot> element of a URDF or xacro file. Raises InputError where it is neither or cannot be read."""
+    """The <robot> element of a URDF or xacro file. Raises InputError if it is neither, or unreadable."""
     root = _parse(path, read_text(path, max_bytes))
     if root.tag == "sdf":
         raise InputError(
@@ -30,7 +30,7 @@ def read_document(path: Path, max_bytes: int = MAX_URDF_BYTES) -> Any:
 
 
 def _is_xacro(root: Any) -> bool:
-    """Whether something is left to expand. A namespace that is declared only, as in expanded files, is not."""
+    """Whether xacro elements are left to expand. A declared namespace alone, as in expanded files, does not count."""
     return any(
         str(element.tag).startswith(_XACRO) or any("${" in value for value in element.attrib.values())
         for element in _elements(root)

@@ -1,4 +1,4 @@
-"""`urdf = ...` of a [[vehicle]] table: what the description yields takes its place, what the fleet file says wins."""
+"""`urdf = ...` of a [[vehicle]] table: the description's numbers replace it, but not the fleet file's own keys."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _STAND_IN = dict.fromkeys(("mass", "inertia", "half_track", "wheel_radius", "tor
 
 
 class Robot(NamedTuple):
-    """The description of one vehicle, and the keys and limits in which the fleet file overrules it."""
+    """The description of one vehicle, and the keys and limits that the fleet file replaces."""
 
     description: RobotDescription
     given: frozenset[str]
@@ -31,7 +31,7 @@ class Source(NamedTuple):
 def with_robots(
     content: dict[str, Any], folder: Path, mistakes: list[str]
 ) -> tuple[dict[str, Any], tuple[Robot | None, ...]]:
-    """The content with every `urdf` replaced by the numbers that it yields, and the robot of each vehicle.
+    """The content with every `urdf` replaced by the numbers of its description, and the robot of each vehicle.
 
     Adds a line to `mistakes` for each that cannot be read; stand-in numbers keep the other mistakes of the file apart.
     """

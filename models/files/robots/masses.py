@@ -1,4 +1,4 @@
-"""The masses and inertias of a robot's links, checked for what no body can have."""
+"""The masses and inertias of a robot's links, with a check for impossible ones."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ...arrays import Array
 from .tree import Frame, Tree, number, origin
 
 NEGLIGIBLE = 1e-3  # share of the robot's yaw inertia below which an impossible inertia is a warning only
-_ROUNDING = 1e-6  # relative error of a moment that is written rounded
+_ROUNDING = 1e-6  # relative error of a moment rounded in its file
 _KEYS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 
 
@@ -39,7 +39,7 @@ class Body:
 
 
 def read_bodies(tree: Tree) -> tuple[list[Body], list[str]]:
-    """The bodies of all links that have an <inertial>, and a line for every one that cannot be."""
+    """The bodies of all links that have an <inertial>, and a line for every impossible one."""
     bodies, mistakes = [], []
     for name, link in tree.links.items():
         inertial = link.find("inertial")
@@ -74,9 +74,9 @@ def _body(name: str, inertial: Any, link: Frame) -> Body:
 
 
 def impossible_inertias(bodies: Iterable[Body], yaw_inertia: float, wheels: set[str]) -> tuple[list[str], list[str]]:
-    """Lines for inertias that break the triangle inequality: those to refuse, and those too small to count.
+    """Lines for inertias that break the triangle inequality: errors, and warnings for those too small to matter.
 
-    `yaw_inertia` (kg m^2) is the robot's; the drive wheels' links count always, since their own moment does.
+    `yaw_inertia` (kg m^2) is the robot's. The drive wheels' links always count, because their own moment is used.
     """
     mistakes, warnings = [], []
     for body in bodies:

@@ -1,4 +1,4 @@
-"""Wheels that a robot may roll on: joints with horizontal axes, what swivels them, and how large they are."""
+"""Wheels that a robot may roll on: joints with horizontal axes, their swivels and radii."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ import numpy as np
 from ...arrays import Array
 from .tree import Joint, Tree, number
 
-PARALLEL = 0.02  # rad: axes this near count as parallel; exporters write pi/2 as 1.57
+PARALLEL = 0.02  # rad: axes within this angle count as parallel; exporters write pi/2 as 1.57
 _TURNING = ("continuous", "revolute", "floating", "planar", "spherical")
 
 
@@ -29,16 +29,16 @@ class Wheel:
     joint: Joint
     centre: Array  # (3,), m, in the root link's frame
     axle: Array  # (3,), of length 1
-    radius: Quantity | None  # m; None where no cylinder or sphere tells
+    radius: Quantity | None  # m; None without a cylinder or sphere
     swivel: Joint | None  # the joint above that turns the axle
 
     @property
     def bottom(self) -> float | None:
-        """The height of the lowest point, m; None where the radius is not known."""
+        """The height of the lowest point, m; None if the radius is not known."""
         return None if self.radius is None else float(self.centre[2]) - float(self.radius.value)
 
     def faces(self, other: Wheel) -> bool:
-        """Whether the two turn about one line, at different places on it."""
+        """Whether both turn about one line, at different places on it."""
         between = other.centre - self.centre
         apart = float(np.linalg.norm(between))
         return (
@@ -54,7 +54,7 @@ def parallel(a: Array, b: Array) -> bool:
 
 
 def wheel_at(tree: Tree, joint: Joint) -> Wheel | None:
-    """The wheel at a joint; None where its axis is not horizontal. Raises ValueError for a radius that is none."""
+    """The wheel at a joint; None if its axis is not horizontal. Raises ValueError for an invalid radius."""
     frame = tree.frames[joint.child]
     axle = frame.turn @ joint.axis
     if abs(axle[2]) > PARALLEL:
@@ -70,7 +70,7 @@ def axis_of(tree: Tree, joint: Joint) -> Array:
 
 
 def radius_of(name: str, link: Any) -> Quantity | None:
-    """The largest radius (m) among a link's cylinders and spheres: of its collision shapes, else of what is drawn."""
+    """The largest radius (m) among a link's cylinders and spheres: of its collision shapes, else of its visual ones."""
     for kind in ("collision", "visual"):
         found = [
             Quantity(number(shape, "radius", f"link {name!r}: {kind} {shape.tag}"), f"{kind} {shape.tag} of {name!r}")

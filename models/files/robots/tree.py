@@ -21,7 +21,7 @@ _Read = TypeVar("_Read")
 
 
 class Frame(NamedTuple):
-    """A pose: `place + turn @ x` is the point x of the frame, seen from outside."""
+    """A pose: the point x of the frame is `place + turn @ x` in the outer frame."""
 
     turn: Array  # (3, 3)
     place: Array  # (3,), m
@@ -32,7 +32,7 @@ class Frame(NamedTuple):
 
 
 ORIGIN = Frame(np.eye(3), np.zeros(3))
-_X = np.array([1.0, 0.0, 0.0])  # the axis of a joint that names none
+_X = np.array([1.0, 0.0, 0.0])  # default axis of a joint
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Joint:
 
 @dataclass(frozen=True)
 class Tree:
-    """A robot whose links hang together: one root, one joint above each other link."""
+    """A connected robot: one root link, and one joint above every other link."""
 
     links: dict[str, Any]  # name -> <link> element
     joints: tuple[Joint, ...]  # in file order
@@ -85,7 +85,7 @@ class Tree:
 
 
 def read_tree(root: Any) -> Tree:
-    """The links and joints of a <robot>. Raises InputError with a line for everything that is wrong with them."""
+    """The links and joints of a <robot>. Raises InputError with a line for every mistake."""
     mistakes: list[str] = []
     names = list(_each(root.findall("link"), _link_name, mistakes))
     joints = tuple(_each(root.findall("joint"), _joint, mistakes))
@@ -102,7 +102,7 @@ def read_tree(root: Any) -> Tree:
 
 
 def _loose_ends(names: list[str], joints: tuple[Joint, ...]) -> list[str]:
-    """What keeps links and joints from being one tree."""
+    """The mistakes that keep links and joints from being one tree."""
     known = set(names)
     mistakes = [
         f"joint {joint.name!r}: its {role} link {link!r} is not in the file; add the link or correct the name"
@@ -190,7 +190,7 @@ def _axis(joint: Any, where: str) -> Array:
     element = joint.find("axis")
     axis = _X if element is None else triple(element, "xyz", "1 0 0", f"{where}: <axis>")
     length = float(np.linalg.norm(axis))
-    if length == 0 and joint.get("type") == "fixed":  # exporters write zeros where an axis has no meaning
+    if length == 0 and joint.get("type") == "fixed":  # exporters write zeros if the axis has no meaning
         return _X
     if not 0 < length < math.inf:
         raise ValueError(f'{where}: its <axis> is {element.get("xyz")!r}; it must not be zero, as xyz="0 1 0"')

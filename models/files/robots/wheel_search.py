@@ -18,7 +18,7 @@ _Pair = tuple[Wheel, Wheel]
 
 
 def found_wheels(tree: Tree) -> DriveWheels:
-    """The wheels that geometry tells. Raises ValueError, which says how to name them, where it does not."""
+    """The wheels found by geometry. Raises ValueError if that fails; its message says how to name them."""
     wheels = list(_candidates(tree, ("continuous", "revolute")))
     if len(wheels) > MAX_WHEELS:
         raise ValueError(f"has {len(wheels)} joints that may be wheels; name the drive wheels: {_how([], [])}")
@@ -56,7 +56,7 @@ def _candidates(tree: Tree, kinds: Sequence[str]) -> Iterator[Wheel]:
 
 
 def _on_the_floor(pairs: list[_Pair]) -> list[_Pair]:
-    """The pairs that reach as low as the lowest; those of unknown radius may."""
+    """The pairs that reach the floor, or may because their radius is unknown."""
     lowest = min((wheel.bottom for pair in pairs for wheel in pair if wheel.bottom is not None), default=0.0)
     return [pair for pair in pairs if any(_reaches(wheel, lowest) for wheel in pair)]
 
@@ -79,7 +79,7 @@ def _is_steered(tree: Tree, wheel: Wheel, pair: _Pair) -> bool:
 
 
 def _others(tree: Tree, pair: _Pair, facing: list[_Pair]) -> Iterator[Ignored]:
-    """The other joints that turn without end, each with the reason why it is no drive wheel."""
+    """The other continuous joints, each with the reason why it is no drive wheel."""
     mirrored = {wheel.joint.name for other in facing for wheel in other}
     for joint in tree.joints:
         if joint.kind == "continuous" and joint not in (pair[0].joint, pair[1].joint):
@@ -118,7 +118,7 @@ def _sides(tree: Tree, pairs: list[_Pair]) -> tuple[list[Wheel], list[Wheel]]:
 
 
 def _how(left: Sequence[Wheel], right: Sequence[Wheel]) -> str:
-    """The line of the fleet file that names the wheels."""
+    """The fleet file's line that names the wheels."""
 
     def names(side: Sequence[Wheel]) -> str:
         return ", ".join(f'"{wheel.joint.name}"' for wheel in side) or '"..."'

@@ -24,7 +24,7 @@ class WheelNames(NamedTuple):
 
 
 class Ignored(NamedTuple):
-    """A joint that turns without end and is no drive wheel."""
+    """A continuous joint that is no drive wheel."""
 
     joint: str
     why: str
@@ -74,7 +74,7 @@ def _mean(wheels: Sequence[Wheel]) -> Array:
 
 
 def named_wheels(tree: Tree, names: WheelNames) -> DriveWheels:
-    """The wheels that the fleet file names. Raises ValueError where they are none, or not of two sides."""
+    """The wheels that the fleet file names. Raises ValueError if they are no wheels, or not on two sides."""
     left, right = (tuple(_wheel_called(tree, name) for name in side) for side in names)
     chosen = [wheel.joint.name for wheel in left + right]
     if twice := next((name for name in chosen if chosen.count(name) > 1), None):

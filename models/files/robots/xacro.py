@@ -1,7 +1,7 @@
 """xacro files are expanded by the `xacro` package, in a process of its own with a bound on time and memory.
 
 A xacro file is a program: it includes files and evaluates expressions. The package evaluates them without Python's
-built-in functions; the process keeps one that computes without end away from the caller.
+built-in functions; the separate process stops files that compute forever.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ xacro.main()
 
 
 def expand(path: Path, max_bytes: int, time_limit: float = TIME_LIMIT) -> str:
-    """The URDF text of a xacro file. Raises InputError where the package is missing or the file does not expand."""
+    """The URDF text of a xacro file. Raises InputError if the package is missing or cannot expand the file."""
     if find_spec("xacro") is None:
         raise InputError(
             f"{path}: this is xacro, and the package that expands it is missing: "
