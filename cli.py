@@ -12,6 +12,7 @@ from .workflows.compare import compare_designs
 from .workflows.design import DesignOptions, design_fleet
 from .workflows.inputs import (
     DisturbanceOptions,
+    Pool,
     StartOptions,
     Starts,
     conditions_of,
@@ -84,7 +85,10 @@ def design(
     time_limit: cli.TimeLimit = 600.0,
     digits: cli.Digits = 4,
     tolerance: cli.ToleranceOption = (0.1, 0.1),
+    torque_factor: cli.TorqueFactor = 1.0,
     box: cli.Box = None,
+    workers: cli.Workers = None,
+    scheduler: cli.Scheduler = None,
     compare: cli.Compare = False,
     against: cli.Against = None,
 ) -> Outcome:
@@ -92,10 +96,11 @@ def design(
     fleet = read_fleet(fleet_path)
     if against is not None:
         read_gains(against, fleet)  # its mistakes are reported before the work begins
+    settled = tolerance_of(tolerance)
     options = DesignOptions(
-        mode, conditions, excitation, weights, seed, digits, time_limit, tolerance_of(tolerance), box
+        mode, conditions, excitation, weights, seed, digits, time_limit, settled, torque_factor, box
     )
-    designed = design_fleet(printer, fleet, options, folder)
+    designed = design_fleet(printer, fleet, options, folder, Pool(workers, scheduler))
     document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
     if compare or against is not None:
         document["compared"] = compare_designs(printer, designed.design, options, folder, compare, against)
@@ -197,7 +202,7 @@ def validate(
     disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
     random_seed = None if starts_file else seed
     validation = Validation(
-        spec, digests, drawn.states, random_seed, disturbance, largest_sample_time, workers=workers, scheduler=scheduler
+        spec, digests, drawn.states, random_seed, disturbance, largest_sample_time, pool=Pool(workers, scheduler)
     )
     document = validate_starts(printer, fleet, validation, folder)
     return Outcome(document, validation_exit_code(document))
@@ -253,12 +258,13 @@ def run(
     digits: cli.Digits = 4,
     horizon: cli.OpenHorizon = None,
     tolerance: cli.ToleranceOption = (0.1, 0.1),
+    torque_factor: cli.TorqueFactor = 1.0,
     box: cli.Box = None,
 ) -> Outcome:
     """Design, certify, prove, simulate, report: all in one."""
     fleet, settled = read_fleet(fleet_path), tolerance_of(tolerance)
     wanted = conditions or cli.Conditions.paper
-    options = DesignOptions(mode, wanted, excitation, weights, seed, digits, time_limit, settled, box)
+    options = DesignOptions(mode, wanted, excitation, weights, seed, digits, time_limit, settled, torque_factor, box)
     disturbance = DisturbanceOptions().of(fleet, seed)
     simulation = Simulation(tuple(cli.Scheme), horizon, settled, disturbance=disturbance)
     pipeline = Pipeline(printer, fleet, simulation, folder)

@@ -146,6 +146,9 @@ Digits = Annotated[int, typer.Option(min=2, max=15, help="significant digits of 
 ToleranceOption = Annotated[
     tuple[float, float], typer.Option(metavar="M RAD", help="largest errors of a settled vehicle: m, rad")
 ]
+TorqueFactor = Annotated[
+    float, typer.Option(min=0.01, max=1, metavar="F", help="use at most this share of the torque limits")
+]
 Box = Annotated[
     float | None,
     typer.Option(

@@ -48,6 +48,7 @@ class Design:
     rates: Rates
     settling: tuple[float, ...]  # s, on the starts that the candidates were ranked on; inf where not settled
     tolerance: Tolerance
+    torque_factor: float  # the share of the torque limits that was allowed
     mode: str
     seed: int
     digits: int
@@ -75,6 +76,7 @@ def design(
     digits: int = 4,
     time_limit: float = MODES["best"].seconds,
     tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
+    torque_factor: float = 1.0,
     box: float | None = None,
     settings: Settings | None = None,
     executor: Executor | None = None,
@@ -92,6 +94,7 @@ def design(
         digits: significant digits of every gain.
         time_limit: s of wall clock that mode "best" searches for, between the averaged program and the final ranking.
         tolerance: what counts as settled.
+        torque_factor: at most this share of every torque limit is used, > 0 and at most 1.
         box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
         settings: the numbers of the search; None takes those of the mode.
         executor: where rollouts run; None runs them here.
@@ -109,7 +112,8 @@ def design(
         raise InputError(f"weights = {weights!r} is not known; choose given or designed")
     settings = settings or (replace(MODES["best"], seconds=time_limit) if mode == "best" else MODES[mode])
     links = design_weights(fleet, settings.clarabel_seconds) if weights == "designed" else None
-    task = prepare(fleet.with_links(links), Options(conditions, excitation, seed, digits, tolerance, box), settings)
+    options = Options(conditions, excitation, seed, digits, tolerance, torque_factor, box)
+    task = prepare(fleet.with_links(links), options, settings)
     progress("solving the averaged program", 0.0)
     proposed, horizon = candidates(task, executor)
     searched = len(fleet) <= settings.searched_vehicles
@@ -128,6 +132,7 @@ def design(
         rates=rates(task.plant, best.gains.map(floats), best.excitation, tolerance.position, tolerance.heading),
         settling=tuple(times),
         tolerance=tolerance,
+        torque_factor=torque_factor,
         mode=mode,
         seed=seed,
         digits=digits,

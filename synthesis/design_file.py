@@ -53,6 +53,7 @@ class DesignFile:
     predicted: PredictedFile
     measured_settling_s: Measured  # on the starts of the final ranking
     tolerance: ToleranceFile
+    torque_factor: float
     margins: dict[str, Measured]  # by equation
     mode: str
     seed: int
@@ -84,6 +85,7 @@ class DesignFile:
             predicted=PredictedFile(*numbers),
             measured_settling_s=[_finite(time) for time in design.settling],
             tolerance=ToleranceFile(tolerance.position, tolerance.heading),
+            torque_factor=design.torque_factor,
             margins=margins,
             mode=design.mode,
             seed=design.seed,

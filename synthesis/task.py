@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from fractions import Fraction
 
 from ..models.arrays import floats
 from ..models.conditions import ConditionData, ConditionSet, condition_set
@@ -34,6 +35,7 @@ class Options:
     seed: int = 0
     digits: int = 4  # significant digits of every gain
     tolerance: Tolerance = field(default_factory=Tolerance)
+    torque_factor: float = 1.0  # at most this share of every torque limit is used
     box: float | None = None  # m, side of the square around the goal that starts are drawn from; None: the fleet's
 
     def check(self, fleet: Fleet) -> None:
@@ -42,6 +44,8 @@ class Options:
             raise InputError(f"excitation = {self.excitation!r} is not known; choose given or designed")
         if not 1 <= self.digits <= 17:
             raise InputError(f"digits = {self.digits} must be from 1 to 17")
+        if not 0 < self.torque_factor <= 1:
+            raise InputError(f"torque_factor = {self.torque_factor} must be > 0 and at most 1")
         if self.box is not None and not 0 < self.box <= LARGEST_BOX:
             raise InputError(f"box = {self.box} must be > 0 and at most {LARGEST_BOX:g} m")
         if self.excitation == "given" and fleet.psi is None:
@@ -122,6 +126,7 @@ def prepare(fleet: Fleet, options: Options, settings: Settings = FAST) -> Task:
     designed = options.excitation == "designed" or fleet.psi is None
     psi = flat_tones(settings.clarabel_seconds) if designed or fleet.psi is None else fleet.psi
     exact = fleet.condition_data(psi)
+    exact = replace(exact, torque=exact.torque * Fraction(repr(options.torque_factor)))
     return Task(
         fleet=fleet,
         plant=fleet.plant(),

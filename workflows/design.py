@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from .certify import certify_gains
-from .inputs import check_folder
+from .inputs import ALL_CORES, Pool, check_folder
 from .obstacles import obstacles_of
 
 if TYPE_CHECKING:
@@ -33,6 +33,7 @@ class DesignOptions:
     digits: int
     time_limit: float  # s
     tolerance: Tolerance
+    torque_factor: float
     box: float | None  # m
 
 
@@ -46,12 +47,11 @@ class Designed:
     obstacles: list[Obstacle]  # reasons why the robots cannot use the gains
 
 
-def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions) -> Design:
-    """A design, on all cores."""
-    from ..parallel import local
+def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions, pool: Pool = ALL_CORES) -> Design:
+    """A design; its rollouts run in the pool."""
     from ..synthesis.design import design
 
-    with local() as (executor, _), printer.progress() as progress:
+    with pool.open() as (executor, _), printer.progress() as progress:
         return design(fleet, **vars(options), executor=executor, progress=progress)
 
 
@@ -73,13 +73,15 @@ def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, An
     return dict(document)
 
 
-def design_fleet(printer: Printer, fleet: Fleet, options: DesignOptions, folder: Path) -> Designed:
+def design_fleet(
+    printer: Printer, fleet: Fleet, options: DesignOptions, folder: Path, pool: Pool = ALL_CORES
+) -> Designed:
     """Design, write design.json, gains.csv and certificate.json, and list older files that belong to other gains."""
     from ..models.digests import Digests
     from ..reports.results import say_stale, stale_files
 
     check_folder(folder)
-    design = design_gains(printer, fleet, options)
+    design = design_gains(printer, fleet, options, pool)
     document = write_design(printer, design, folder)
     gains = gains_of(design)
     certificate = certify_gains(printer, fleet, gains, design.conditions.name, folder)

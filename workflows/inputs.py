@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+    from concurrent.futures import Executor
+    from contextlib import AbstractContextManager
 
     from ..models.digests import Digests
     from ..models.equations import State
@@ -60,6 +62,23 @@ def tolerance_of(pair: tuple[float, float]) -> Tolerance:
     if not all(0 < value <= LARGEST_TOLERANCE for value in pair):
         raise InputError(f"--tolerance {pair[0]:g} {pair[1]:g}: both must be finite and > 0 (m, rad), at most 1e6")
     return Tolerance(*pair)
+
+
+@dataclass(frozen=True)
+class Pool:
+    """Where the work runs."""
+
+    workers: int | None = None  # processes; None: one for every core
+    scheduler: str | None = None  # the address of a Dask cluster, which runs it instead
+
+    def open(self) -> AbstractContextManager[tuple[Executor, int]]:
+        """The executor and the number of its workers. Raises InputError where the cluster does not answer."""
+        from ..parallel import cluster, local
+
+        return local(self.workers) if self.scheduler is None else cluster(self.scheduler)
+
+
+ALL_CORES = Pool()
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .inputs import ALL_CORES, Pool
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -32,8 +34,7 @@ class Validation:
     seed: int | None  # of random starts, None for those of a file
     disturbance: Disturbance | None = None
     largest_sample_time: bool = False  # whether to look for it
-    workers: int | None = None  # None: one for every core
-    scheduler: str | None = None  # the address of a Dask cluster
+    pool: Pool = ALL_CORES
 
 
 HORIZON_FACTOR = 6.0  # of the predicted tail, as in `design`: transients and chaos take their time, too
@@ -78,15 +79,13 @@ def spec_of(
 def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, folder: Path) -> dict[str, Any]:
     """Run all starts and write validation.json; its content."""
     from ..models.files.text import write_json
-    from ..parallel import cluster, local
     from ..reports.versions import versions
     from ..verify.validation.robustness import robustness
     from ..verify.validation.statistics import ValidationResults
     from ..verify.validation.validate import validate
 
     spec, states = validation.spec, validation.states
-    pool = local(validation.workers) if validation.scheduler is None else cluster(validation.scheduler)
-    with pool as (executor, count), printer.progress() as progress:
+    with validation.pool.open() as (executor, count), printer.progress() as progress:
         results = validate(spec, states, folder, executor, count, progress)
     with printer.progress() as progress:
         disturbed = robustness(

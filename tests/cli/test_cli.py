@@ -258,7 +258,7 @@ def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Pa
 def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) -> None:
     fleet = SimpleNamespace(psi=object() if given else None)
     made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None)
-    options = DesignOptions("best", "paper", "designed", "given", 0, 4, 600.0, Tolerance(), None)
+    options = DesignOptions("best", "paper", "designed", "given", 0, 4, 600.0, Tolerance(), 1.0, None)
     variants = [(v.conditions, v.excitation, v.weights) for v in variants_of(fleet, made, options)]
     assert len(set(variants)) == len(variants) == (11 if given else 5)
     assert ("paper", "designed", "given") not in variants

@@ -98,6 +98,19 @@ def test_a_design_into_a_folder_with_older_runs_says_so(designed: tuple[Path, Do
     assert line + "gaincert validate again" in done.stdout
 
 
+def test_a_design_keeps_to_its_share_of_the_torque_limits(designed: tuple[Path, Done], tmp_path: Path) -> None:
+    folder, _ = designed
+    options = ("--conditions", "corrected", "--torque-factor", 0.3, "--json")
+    done = gaincert("design", folder / "fleet.toml", "-o", tmp_path, *options)
+    assert done.returncode == 0, done.stderr
+    document = json.loads(done.stdout)
+    assert document["torque_factor"] == 0.3
+    used = max(float(bound) for bound in load_deployment(tmp_path, read_fleet(folder / "fleet.toml")).torque_bounds)
+    assert 0 < used <= 0.3 * 12
+    refused = gaincert("design", folder / "fleet.toml", "-o", tmp_path, "--torque-factor", 1.5)
+    assert refused.returncode == 2
+
+
 # -- exit codes and words ----------------------------------------------------------------------------------------------
 
 
