@@ -52,7 +52,7 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
 
 
 def check_writable(folder: Path) -> None:
-    """Raise InputError or FaultError if no file can be written into a folder. The test file and new folders are removed."""
+    """Raise InputError or FaultError if no file can be written into a folder; what it creates is removed again."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
     try:
         write_whole(folder / ".gaincert-try", lambda _file: None).unlink()
