@@ -53,7 +53,7 @@ def numpy_ops() -> Ops:
 
 
 def sparse_ops(graph: Graph, number: type[Any] = float) -> Ops:
-    """Ops over NumPy arrays of type `number`, with compiled sparse sums over one graph: for large graphs, many states."""
+    """Ops over NumPy arrays of type `number`, with compiled sparse sums over one large graph, for many states."""
     import numpy as np
     from scipy.sparse import csr_array
 
