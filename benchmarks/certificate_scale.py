@@ -73,7 +73,7 @@ def measure(n: int) -> dict[str, Any]:
     built = clock()
     certificate = certify(fleet, fleet.psi, gains, "corrected", seed=0)  # type: ignore[arg-type]
     certified = clock()
-    rates = {name: found and found["rate"] for name, found in certificate.content["rates"].items()}
+    rates = {name: rate and float(rate) for name, rate in certificate.rates.items()}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "certificate.json"
         certificate.write(path)

@@ -84,6 +84,7 @@ def make_spec(
     engine = engine_name(engine, len(fleet), "chaos-aware")
     content = {
         "fleet_digest": fleet.digest,
+        "vehicles": fleet.names,
         "leader": [str(fleet.leader.position), fleet.leader.theta],
         "gains": {name: [str(gain) for gain in getattr(loop.gains, name)] for name in GAIN_NAMES},
         "excitation": loop.excitation.table(),
