@@ -154,7 +154,7 @@ class Fleet(Table):
         return digest_of(self.content())
 
 
-def digest_of(content: dict[str, Any]) -> str:
+def digest_of(content: Any) -> str:
     """SHA-256 of some content as JSON with sorted keys, without spaces."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

@@ -59,7 +59,7 @@ MAX_MARKS = 20_000  # quotes, commas, colons and brackets in it: columns are sin
 MAX_WHOLE, MAX_PLACES = 60, 100  # digits of a number before and after the point
 MAX_SIZE = 2 * 10**7  # vehicles or links, times places
 MAX_HARMONIC = 200
-MAX_WORK = 10**10  # arcs, times what a point costs; about 5 s
+MAX_WORK = 3 * 10**6  # microseconds, about, that the arcs of half a period may cost
 MAX_DEPTH = 80  # an arc spans at least 2^-80
 LISTED = 20  # limits up to this many are printed one by one
 
@@ -70,6 +70,7 @@ FLEET_KEYS = ("drive", "vehicles", "limits", "edges", "leader_links", "excitatio
 PARAMETERS = ("mass", "inertia", "half_track", "wheel_radius", "wheel_inertia", "torque_left", "torque_right")
 NETWORK = ("position_scale", "heading_scale")  # one number each, the others one per vehicle
 LEADER = -1
+HALVES = ("here", "opposite")
 SETS = {"paper": ("(15)", "(16)"), "corrected": ("(16*)",), "rate-bounded": ("(15')", "(16*)")}
 STRICT = ("(15')", "(16)")
 LIMITS = {  # as in the fleet file: what follows, and its unit
@@ -291,7 +292,7 @@ def read_claims(document: Any) -> Claims:
     for offset in (offset_x, offset_y):
         column(offset, "offset", None, None)
     ends = [reader.ends(text, name, int(name != "wheel_inertia")) for text, name in zip(texts, PARAMETERS, strict=True)]
-    intervals = {name: sum(map(int.__ne__, *pair)) for name, pair in zip(PARAMETERS, ends, strict=True)}
+    intervals = {name: n for name, pair in zip(PARAMETERS, ends, strict=True) if (n := sum(map(int.__ne__, *pair)))}
     mass, inertia, half_track, radius, wheel, left, right = ends
     arm = [[(2 if drive == "paper" else 1) * half for half in values] for values in half_track]
     new_psi, weights = table(designed, ("excitation", "weights"))
@@ -306,9 +307,8 @@ def read_claims(document: Any) -> Claims:
     return Claims(
         reader.unit, conditions, drive,
         [graph.degree, *mass, *inertia, *arm, *radius, *wheel, list(map(min, left[0], right[0])), *own],
-        {name: count for name, count in intervals.items() if count}, asked, graph, psi[-1], new_psi is not None,
-        column(psi_bar, "psi_bar", 1)[0],
-        [column(text, "arcs", count_of(text), 0, MAX_DEPTH) for text in table(arcs, ("here", "opposite"))],
+        intervals, asked, graph, psi[-1], new_psi is not None, column(psi_bar, "psi_bar", 1)[0],
+        [column(text, "arcs", min(count_of(text), MAX_WORK // 4), 0, MAX_DEPTH) for text in table(arcs, HALVES)],
         [column(link, "tree: link", None, LEADER, len(graph.tail)), column(depth, "tree: depth", None, 0, count + 1)],
         {name: column(text, f"{name}: margin", own, 0) for (name, own), text in stated}, read_rates(reader, rates),
         column(rim_speed, "rim_speed", counts.get("wheel_speed", 0)),
@@ -427,7 +427,7 @@ def psi_bounded(claims: Claims) -> None:
 def bounded_on_half(psi: Psi, bar: int, half_turn: int, depths: Column) -> None:
     """|psi| <= bar for x = 2 atan(t) + pi half_turn, t in [-1, 1], over arcs of width 2^-depth from left to right."""
     deepest = max(depths, default=0)
-    if len(depths) * (10**4 + deepest * max(psi.terms)[0] ** 2) > MAX_WORK:
+    if len(depths) * (3 + (highest := max(psi.terms)[0]) + (highest * deepest) ** 2 // 10**5) > MAX_WORK:
         unreadable("arcs: too many to be checked; state a larger psi_bar")
     left, width = -(1 << deepest), 1 << deepest
     end = slack(psi, bar, half_turn, left, width)
@@ -719,10 +719,10 @@ def main(arguments: Sequence[str]) -> int:
         message, code = f"REFUSED: {error}", 2
     except Exception as error:  # no memory, a full disk, a reader that left, a bug: no verdict
         message, code = f"FAULT: {type(error).__name__} {str(error)[:200]!a}: nothing is said of the certificate", 5
+        with suppress(OSError, ValueError, AttributeError):
+            sys.stdout.close()  # so that what a full disk did not take is not tried again
     with suppress(OSError, ValueError, AttributeError):
         sys.stderr.write(f"{message}\n")
-    with suppress(OSError, ValueError, AttributeError):
-        sys.stdout.close()  # so that what a full disk did not take is not tried again
     return code
 
 

@@ -158,12 +158,12 @@ def test_the_supremum_itself_is_refused_as_too_close() -> None:
 
 
 def test_the_work_on_psi_is_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A point costs 10^4 and depth times the square of the highest harmonic."""
+    """A point costs 3, the highest harmonic, and the square of it times the depth, over 10^5; about microseconds."""
     content = single(arcs=arcs(2))
     content["fleet"]["excitation"] = harmonics(" ".join(["0.1"] + ["0.0"] * 198 + ["0.1"]))
     assert "too wide" in reason(content)
-    monkeypatch.setattr(kernel, "MAX_WORK", 10**8)
-    most = kernel.MAX_WORK // (10**4 + 17 * 200**2)
+    monkeypatch.setattr(kernel, "MAX_WORK", 10**5)
+    most = kernel.MAX_WORK // (3 + 200 + (17 * 200) ** 2 // 10**5)
     content["arcs"]["here"] = " ".join(["17"] * most)
     assert "do not cover" in reason(content)
     content["arcs"]["here"] = " ".join(["17"] * (most + 1))

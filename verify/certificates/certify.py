@@ -110,8 +110,14 @@ def _column(fleet: Fleet, name: str, values: Sequence[Any], count: int) -> str:
     for vehicle, number in zip(fleet.names, numbers, strict=False):
         if number <= 0:
             raise InputError(f"gains: {name} of vehicle {vehicle!r} = {float(number):g} must be > 0 (A2)")
-        if decimal_places(number.denominator) is None:
+        places = decimal_places(number.denominator)
+        if places is None:
             raise InputError(f"gains: {name} of vehicle {vehicle!r} = {number} is no decimal number; round it")
+        if places > kernel.MAX_PLACES or number >= 10**kernel.MAX_WHOLE:
+            raise InputError(
+                f"gains: {name} of vehicle {vehicle!r} = {float(number):g} has more than {kernel.MAX_WHOLE} digits "
+                f"before or {kernel.MAX_PLACES} after the point; round it or use other units"
+            )
     return fixed_point(numbers)
 
 
