@@ -231,7 +231,7 @@ def test_designed_parts_are_embedded_and_said() -> None:
     gains = paper_gains().map(lambda values: values * Fraction("0.8"))
     certificate = certify(fleet, psi, gains, "corrected", links=links)
     assert certificate.valid
-    weights = {"edges": "1.0 1.0 1.0 1.0 1.0 1.0 0.5", "leader_links": "10.0 10.0"}
+    weights = {"edges": "1.0 1.0 1.0 1.0 1.0 1.0 0.5", "leader_links": "10 10"}
     assert certificate.content["designed"]["weights"] == weights
     assert certificate.content["fleet"] == fleet.content()
     assert certificate.verdict.digests and certificate.verdict.digests["fleet"] == fleet.digest
