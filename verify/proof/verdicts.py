@@ -58,6 +58,7 @@ def inference(
     counterexample: tuple[Step, ...],
     witness: str,
     note: str,
+    *,
     truth: str | None = None,
     truth_steps: tuple[Step, ...] = (),
     needs: tuple[str, ...] = (),
