@@ -101,7 +101,7 @@ CHILD = """
 import re, sys
 from pathlib import Path
 from gaincert.verify import kernel
-verdict = kernel.check(Path(sys.argv[1]))
+verdict = kernel.check_data(kernel.read(sys.argv[1]))
 print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 2**20)
 sys.exit(not verdict.valid)
 """

@@ -141,6 +141,7 @@ class Fleet(Table):
         rows = [(*s.position, s.theta, s.v, s.omega) for s in starts if s is not None]
         return State(*np.array(rows, dtype=float).T)
 
+    @cached_property
     def content(self) -> dict[str, Any]:
         """What a certificate says of the fleet; see `fleet_content`.
 
@@ -151,7 +152,7 @@ class Fleet(Table):
     @cached_property
     def digest(self) -> str:
         """The digest of the content: what ties a certificate to a fleet file. The names of vehicles do not count."""
-        return digest_of(self.content())
+        return digest_of(self.content)
 
 
 def digest_of(content: Any) -> str:

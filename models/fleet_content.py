@@ -20,25 +20,27 @@ from .numbers import Interval, decimal_places, high, low
 LIMITS = tuple(MotionLimits.model_fields)
 
 
-def fixed_point(values: Iterable[Fraction]) -> str:
+def fixed_point(values: Iterable[Fraction | int]) -> str:
     """A column: the numbers in order, all with the same places. Raises ValueError for a number that is no decimal."""
-    numbers = [Fraction(value) for value in values]
-    places = max(map(_places, numbers), default=0)
-    unit = 10**places
+    numbers = list(values)
+    places = max(map(_places, {number.denominator for number in numbers}), default=0)
     if places == 0:
         return " ".join([str(number.numerator) for number in numbers])
+    unit = 10**places
     return " ".join([_text(number.numerator * (unit // number.denominator), places) for number in numbers])
 
 
-def _places(number: Fraction) -> int:
-    places = decimal_places(number.denominator)
+def _places(denominator: int) -> int:
+    places = decimal_places(denominator)
     if places is None:
-        raise ValueError(f"{number} is no decimal number")
+        raise ValueError(f"a number with the denominator {denominator} is no decimal number")
     return places
 
 
 def _text(scaled: int, places: int) -> str:
-    digits = str(scaled).rjust(places + 1, "0") if scaled >= 0 else "-" + str(-scaled).rjust(places + 1, "0")
+    if scaled < 0:
+        return "-" + _text(-scaled, places)
+    digits = str(scaled).rjust(places + 1, "0")
     return digits[:-places] + "." + digits[-places:]
 
 
@@ -62,7 +64,7 @@ def excitation_content(psi: Excitation) -> dict[str, Any]:
         if not psi.over_pi:
             return {"family": "harmonics", **common, "sin": fixed_point(psi.sin), "cos": fixed_point(psi.cos)}
     except ValueError as error:
-        raise InputError(f"excitation: a coefficient {error}; round it") from None
+        raise InputError(f"excitation: {error}; round it") from None
     raise InputError("excitation: its coefficients carry 1/pi and no table of a fleet file says so; use decimals")
 
 

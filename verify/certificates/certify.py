@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import platform
 from collections.abc import Sequence
-from fractions import Fraction
 from importlib.metadata import version
 from typing import Any
 
@@ -26,6 +25,8 @@ from .remarks import notes_of
 from .repair import violations
 from .tree import designed_weights, tree
 from .wheel_speed import rim_speeds
+
+LARGEST = 10**kernel.MAX_WHOLE
 
 __all__ = ["Certificate", "certify", "verify"]
 
@@ -50,7 +51,7 @@ def certify(
     checked = check_conditions(chosen, data, gains)
     broken = violations(fleet.names, chosen, checked)
     notes = notes_of(used, data, gains, conditions)
-    own = fleet.content()
+    own = fleet.content
     psi = excitation_content(excitation)
     designed = {
         "excitation": None if psi == own["excitation"] else psi,
@@ -106,19 +107,20 @@ def _column(fleet: Fleet, name: str, values: Sequence[Any], count: int) -> str:
     """A column of positive decimals. Raises InputError."""
     if len(values) != count:
         raise InputError(f"gains: {name} has {len(values)} entries for {count} vehicles; give one per vehicle")
-    numbers = [Fraction(value) for value in values]
-    for vehicle, number in zip(fleet.names, numbers, strict=False):
-        if number <= 0:
-            raise InputError(f"gains: {name} of vehicle {vehicle!r} = {float(number):g} must be > 0 (A2)")
+    for vehicle, number in zip(fleet.names, values, strict=False):
         places = decimal_places(number.denominator)
+        if number.numerator > 0 and places is not None and places <= kernel.MAX_PLACES and number < LARGEST:
+            continue
+        label = f"gains: {name} of vehicle {vehicle!r}"
+        if number <= 0:
+            raise InputError(f"{label} = {float(number):g} must be > 0 (A2)")
         if places is None:
-            raise InputError(f"gains: {name} of vehicle {vehicle!r} = {number} is no decimal number; round it")
-        if places > kernel.MAX_PLACES or number >= 10**kernel.MAX_WHOLE:
-            raise InputError(
-                f"gains: {name} of vehicle {vehicle!r} = {float(number):g} has more than {kernel.MAX_WHOLE} digits "
-                f"before or {kernel.MAX_PLACES} after the point; round it or use other units"
-            )
-    return fixed_point(numbers)
+            raise InputError(f"{label} = {number} is no decimal number; round it")
+        raise InputError(
+            f"{label} = {float(number):g} has more than {kernel.MAX_WHOLE} digits before or {kernel.MAX_PLACES} "
+            "after the point; round it or use other units"
+        )
+    return fixed_point(values)
 
 
 def _margins(checked: CheckedConditions) -> dict[str, str]:
