@@ -22,7 +22,7 @@ from .workflows.inputs import (
     tolerance_of,
 )
 from .workflows.obstacles import say_obstacles
-from .workflows.prove import prove_claims, theorem_holds
+from .workflows.prove import check_formally, prove_claims, theorem_holds
 from .workflows.run import Pipeline
 from .workflows.simulate import Simulation, simulate_schemes
 from .workflows.validate import (
@@ -56,19 +56,22 @@ def init(
 
 @verb
 def check(printer: Printer, *, fleet_path: cli.FleetPath) -> Outcome:
-    """Show the content of a fleet file, or all its mistakes."""
+    """Say what is in a fleet file, or all that is wrong with it."""
     from .workflows.check import check_fleet
 
     return Outcome(check_fleet(printer, fleet_path))
 
 
 @verb
-def prove(printer: Printer, *, folder: cli.ProofFolder = None, fleet: cli.ProofFleet = None) -> Outcome:
-    """Check the paper and the corrected theorem symbolically."""
+def prove(
+    printer: Printer, *, folder: cli.ProofFolder = None, fleet: cli.ProofFleet = None, formal: cli.ProofFormal = False
+) -> Outcome:
+    """Check the paper and the corrected theorem."""
     from .reports.proof.documents import claims_to_json
 
+    compiled = check_formally(printer) if formal else True
     claims = prove_claims(printer, None if fleet is None else read_fleet(fleet), folder)
-    return Outcome.of(claims_to_json(claims), true=theorem_holds(claims))
+    return Outcome.of(claims_to_json(claims), true=compiled and theorem_holds(claims))
 
 
 @verb
@@ -92,10 +95,10 @@ def design(
     compare: cli.Compare = False,
     against: cli.Against = None,
 ) -> Outcome:
-    """Choose gains that settle the fleet fast and meet the conditions."""
+    """Choose gains that settle the fleet fast, within conditions."""
     fleet = read_fleet(fleet_path)
     if against is not None:
-        read_gains(against, fleet)  # report its mistakes before the work begins
+        read_gains(against, fleet)  # its mistakes are reported before the work begins
     settled = tolerance_of(tolerance)
     options = DesignOptions(
         mode, conditions, excitation, weights, seed, digits, time_limit, settled, torque_factor, box
@@ -117,7 +120,7 @@ def certify(
     folder: cli.Folder,
     conditions: cli.CertifiedConditions = None,
 ) -> Outcome:
-    """Certify given gains."""
+    """Certify gains, whoever chose them."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
     name = conditions_of(conditions, chosen)
@@ -127,7 +130,7 @@ def certify(
 
 @verb
 def verify(printer: Printer, *, certificate: cli.CertificatePath, fleet: cli.CertifiedFleet = None) -> Outcome:
-    """Check a certificate again with the trusted kernel alone."""
+    """Check a certificate again, with the trusted kernel alone."""
     from .verify.certificates.certify import verify as verify_file
 
     verdict = verify_file(certificate, None if fleet is None else read_fleet(fleet))
@@ -155,7 +158,7 @@ def simulate(
     tolerance: cli.ToleranceOption = (0.1, 0.1),
     engine: cli.EngineOption = cli.Engine.auto,
 ) -> Outcome:
-    """Simulate the fleet from its own start and draw figures."""
+    """Simulate the fleet from its own start, and draw it."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
     disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
@@ -189,7 +192,7 @@ def validate(
     largest_sample_time: cli.LargestSampleTime = False,
     replay: cli.Replay = None,
 ) -> Outcome:
-    """Simulate from many starts; continues an interrupted validation."""
+    """Simulate from many starts; an interrupted run is continued."""
     fleet = read_fleet(fleet_path)
     chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
     count = starts if replay is None else max(starts, replay + 1)
@@ -234,7 +237,7 @@ def export(
     interface: cli.InterfaceOption = cli.Interface.effort,
     fleet: cli.FolderFleet = None,
 ) -> Outcome:
-    """Write the gains for robots, spreadsheets and papers, or a run for log viewers."""
+    """Write the gains for robots, spreadsheets and papers, or the run for viewers of logs."""
     from .reports.export.formats import export as export_files
 
     paths = [str(path) for path in export_files(folder, kind.value, fleet, interface.value)]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from ...models.files.text import write_whole
-from ...verify.proof.witness_runs import bang_bang, rising_energy
+from ...verify.proof.trajectories import bang_bang, rising_energy
 
 
 def write_witness_figures(folder: Path) -> list[Path]:

@@ -37,7 +37,7 @@ from .verdicts import (
 )
 
 SHOWN = 200  # vehicles in the gain table of the report
-STATUSES = ("REFUTED", "CORRECTED", "OPEN", "PROVED", "CITED")
+STATUSES = ("REFUTED", "CORRECTED", "OPEN", "PROVED", "FORMAL", "CITED")
 CAPTIONS = {
     "figures/paths": "Paths; open dots are starts, filled dots ends, arrows headings (figures 3, 4 of the paper).",
     "figures/poses": "Poses against time; dashed lines are the goal (figures 5 and 6).",

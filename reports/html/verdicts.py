@@ -124,10 +124,10 @@ def proof_verdict(claims: list[ClaimResult]) -> list[Verdict]:
     if not claims:
         return []
     counts = Counter(claim.status for claim in claims)
-    proved = any(claim.id == "theorem" and claim.status == "PROVED" for claim in claims)
+    proved = any(claim.id == "theorem" and claim.status in ("PROVED", "FORMAL") for claim in claims)
     false = f"{counts['REFUTED']} are refuted and {counts['CORRECTED']} corrected"
     text = (
-        f"{len(claims)} claims checked: {counts['PROVED']} proved, {counts['CITED']} cited, {counts['OPEN']} open; "
+        f"{len(claims)} claims checked: {counts['PROVED']} proved, {counts['FORMAL']} formal, {counts['OPEN']} open; "
         f"of the paper's printed statements {false}"
     )
     return [Verdict(proved, "The corrected theorem is " + ("proved" if proved else "not proved"), text)]

@@ -3,24 +3,34 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from ...models.files.text import write_text
-from ...verify.proof.claim import Claim, Status
+from ...verify.proof import theorem_proved
+from ...verify.proof.claim import Claim, Fact, Kind, Quotation, Relation, Status
+from ...verify.proof.formal import STATEMENT, development
 from .. import rendering
 from . import graph as proof_graph
-from .notation import latex, mathml
+from .inline import inline_html, inline_markdown, inline_tex
+from .notation import latex, mathml, meanings
+from .statements import (
+    expressions,
+    in_latex,
+    in_mathml,
+    in_text,
+    inner_steps,
+    refuting,
+    witness_in_html,
+    witness_in_latex,
+    witness_in_markdown,
+    witness_in_text,
+)
+from .words import ALL, FLEET, LEMMAS, PAPER, method_of, note_of, place_of
 
-ORDER = (Status.REFUTED, Status.CORRECTED, Status.OPEN, Status.PROVED, Status.CITED)  # what is false heads the report
-HEADINGS = {
-    Status.REFUTED: "Refuted",
-    Status.CORRECTED: "Corrected",
-    Status.OPEN: "Open",
-    Status.PROVED: "Proved",
-    Status.CITED: "Cited",
-}
+FALSE = (Status.REFUTED, Status.CORRECTED)
 
 
 def write_documents(claims: Sequence[Claim], folder: Path) -> list[Path]:
@@ -36,51 +46,115 @@ def write_documents(claims: Sequence[Claim], folder: Path) -> list[Path]:
     return [write_text(folder / name, content) for name, content in contents.items()]
 
 
+# -- proof.json -------------------------------------------------------------------------------------------------------
+
+
 def claims_to_json(claims: Sequence[Claim]) -> list[dict[str, Any]]:
     """The list that proof.json holds and `gaincert prove --json` prints; optional keys are left out where empty."""
-    return [_as_dict(claim) for claim in claims]
+    return [_as_dict(claim) for claim in in_order(claims)]
+
+
+def in_order(claims: Sequence[Claim]) -> list[Claim]:
+    """The claims in the paper's order, then lemmas, then the fleet. Raises KeyError for a claim without words."""
+    order = {id_: number for number, id_ in enumerate(ALL)}
+    return sorted(claims, key=lambda claim: order[claim.id])
+
+
+def summary_line(claim: Claim) -> str:
+    """A claim in one line: where it stands and what was found."""
+    return f"{claim.status.name:9} {place_of(claim)}: {note_of(claim)}"
 
 
 def _as_dict(claim: Claim) -> dict[str, Any]:
     row: dict[str, Any] = {
         "id": claim.id,
-        "source": claim.source,
-        "statement": claim.statement,
+        "source": place_of(claim),
+        "kind": claim.kind.name,
+        "statement": "; ".join(in_text(fact.statement) for fact in claim.facts),
         "status": claim.status.name,
-        "method": f"{claim.method}; second method: {claim.second}" if claim.second else claim.method,
-        "reason": claim.reason,
-        "group": claim.group,
-        "needs": list(claim.needs),
+        "method": "; ".join(dict.fromkeys(method_of(fact) for fact in claim.facts)),
+        "reason": note_of(claim),
+        "needs": list(claim.rests_on),
+        "facts": [_fact_as_dict(fact) for fact in claim.facts],
     }
-    optional = {"corrected": claim.corrected, "witness": claim.witness, "second_method": claim.second}
-    row |= {key: value for key, value in optional.items() if value}
-    row |= {name: latex(value) for name, value in formulas(claim)}
-    if found := formulas(claim):
-        row["mathml"] = {name: mathml(value) for name, value in found}  # for report.html, which has no SymPy
-    return row
+    optional = {
+        "given": [in_text(relation) for relation in claim.assumptions],
+        "corrected": "; ".join(in_text(fact.statement) for fact in claim.truth) if claim.status in FALSE else "",
+        "witness": "; ".join(map(witness_in_text, refuting(claim))) if claim.status in FALSE else "",
+        "latex": [in_latex(fact.statement) for fact in claim.facts],
+        "mathml": _typeset(claim),  # for report.html, which has no SymPy
+    }
+    return row | {key: value for key, value in optional.items() if value}
 
 
-def formulas(claim: Claim) -> list[tuple[str, Any]]:
-    """(name, expression) of the formulas that the claim carries."""
-    names = ("quantity", "stated", "derived", "residual")
-    return [(name, getattr(claim, name)) for name in names if getattr(claim, name) is not None]
+def _fact_as_dict(fact: Fact) -> dict[str, Any]:
+    row = {"statement": in_text(fact.statement), "holds": fact.holds, "method": method_of(fact)}
+    more = {"values": " ".join(fact.values), "witness": witness_in_text(fact)}
+    return row | {key: value for key, value in more.items() if value}
+
+
+def _typeset(claim: Claim) -> dict[str, str]:
+    """MathML of what is stated and what is derived: of the first fact that is a formula."""
+    fact = next((f for f in claim.facts if not isinstance(f.statement, Quotation)), None)
+    if fact is None:
+        return {}
+    if claim.quantity is None or not isinstance(fact.statement, Relation):
+        return {"stated": in_mathml(fact.statement)}
+    sides = {"quantity": claim.quantity, "stated": fact.left, "derived": fact.right}
+    return {name: f'<math display="inline">{mathml(side)}</math>' for name, side in sides.items()}
+
+
+# -- the documents ----------------------------------------------------------------------------------------------------
 
 
 def render(name: str, claims: Sequence[Claim], graph: str = "") -> str:
     """One of the three documents from its template."""
-    groups = [(HEADINGS[status], status, [c for c in claims if c.status is status]) for status in ORDER]
+    ordered = in_order(claims)
+    paper = [claim for claim in ordered if claim.kind is Kind.PAPER]
+    parts = {"The paper, in its order": PAPER, "The corrected theorem": LEMMAS, "This fleet": FLEET}
+    formal = development()
     return rendering.render(
         name,
-        groups=[group for group in groups if group[2]],
-        claims=claims,
-        theorem=next((c for c in claims if c.id == "theorem"), None),
+        claims=ordered,
+        proved=theorem_proved(ordered),
+        theorem=next((claim for claim in ordered if claim.id == "theorem"), None),
+        paper=paper,
+        counts=Counter(claim.status.name for claim in paper),
+        mistakes=[claim for claim in paper if claim.status in FALSE],
+        readings=[claim for claim in ordered if claim.kind is Kind.READING],
+        undecided=[claim for claim in ordered if claim.status is Status.OPEN],
+        sections=[(title, [claim for claim in ordered if claim.id in ids]) for title, ids in parts.items()],
+        letters=meanings(expressions(ordered)),
+        statuses=[status for status in Status if any(claim.status is status for claim in ordered)],
+        formal=formal,
+        formal_statement=formal.sources[STATEMENT],
         graph=graph,
-        latex=latex,
-        mathml=_safe_mathml,
+        words=_WORDS,
     )
 
 
-def _safe_mathml(expression: Any) -> Any:
+_WORDS: dict[str, Callable[..., Any]] = {
+    "place": place_of,
+    "note": note_of,
+    "effect": lambda claim: ALL[claim.id].effect,
+    "method": method_of,
+    "steps": inner_steps,
+    "is_formula": lambda fact: not isinstance(fact.statement, Quotation),
+    "refuting": refuting,
+    "witness_html": lambda fact: _markup(witness_in_html(fact)),
+    "witness_tex": witness_in_latex,
+    "witness_md": witness_in_markdown,
+    "inline_html": lambda sentence: _markup(inline_html(sentence)),
+    "inline_tex": inline_tex,
+    "inline_md": inline_markdown,
+    "latex": latex,
+    "tex": in_latex,
+    "mathml": lambda expression: _markup(f'<math display="inline" displaystyle="true">{mathml(expression)}</math>'),
+    "math": lambda statement: _markup(in_mathml(statement)),
+}
+
+
+def _markup(built: str) -> Any:
     from markupsafe import Markup
 
-    return Markup(mathml(expression))  # noqa: S704 -- built from our own symbols by an XML writer, which escapes
+    return Markup(built)  # noqa: S704 -- built from our own symbols by an XML writer, which escapes

@@ -6,10 +6,12 @@ from collections.abc import Iterable
 from html import escape
 
 from ...verify.proof.claim import Claim, Status
+from .words import place_of
 
 COLOURS = {
     Status.PROVED: "#2f7d4f",
-    Status.CITED: "#2f5f9d",
+    Status.FORMAL: "#2f5f9d",
+    Status.CITED: "#5b4b8a",
     Status.CORRECTED: "#b7791f",
     Status.REFUTED: "#b3322e",
     Status.OPEN: "#6b6b6b",
@@ -20,12 +22,14 @@ WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN = 136, 22, 56, 8, 24
 def draw(claims: Iterable[Claim], root: str = "theorem") -> str:
     """Layers from left (rests on nothing) to right; the support of the theorem in heavier lines."""
     by_id = {claim.id: claim for claim in claims}
-    linked = {need for claim in by_id.values() for need in claim.needs} | {c.id for c in by_id.values() if c.needs}
+    linked = {need for claim in by_id.values() for need in claim.rests_on} | {
+        c.id for c in by_id.values() if c.rests_on
+    }
     shown = {id_: claim for id_, claim in by_id.items() if id_ in linked}
     layers = _layers(shown)
     place = _places(shown, layers)
     heavy = _support(shown, root) | {root}
-    edges = [_edge(place[need], place[id_], id_ in heavy) for id_, claim in shown.items() for need in claim.needs]
+    edges = [_edge(place[need], place[id_], id_ in heavy) for id_, claim in shown.items() for need in claim.rests_on]
     nodes = [_node(claim, *place[id_], heavy=id_ in heavy) for id_, claim in shown.items()]
     right = max(x for x, _ in place.values()) + WIDTH + MARGIN
     bottom = max(y for _, y in place.values()) + HEIGHT + MARGIN
@@ -37,7 +41,7 @@ def _layers(claims: dict[str, Claim]) -> dict[str, int]:
 
     def visit(id_: str) -> int:
         if id_ not in depth:
-            depth[id_] = 1 + max((visit(need) for need in claims[id_].needs), default=-1)
+            depth[id_] = 1 + max((visit(need) for need in claims[id_].rests_on), default=-1)
         return depth[id_]
 
     for id_ in claims:
@@ -61,18 +65,18 @@ def _places(claims: dict[str, Claim], layers: dict[str, int]) -> dict[str, tuple
 
 
 def _mean_height(claim: Claim, place: dict[str, tuple[float, float]]) -> float:
-    heights = [place[need][1] for need in claim.needs if need in place]
+    heights = [place[need][1] for need in claim.rests_on if need in place]
     return sum(heights) / len(heights) if heights else 0.0
 
 
 def _support(claims: dict[str, Claim], root: str) -> set[str]:
     found: set[str] = set()
-    waiting = list(claims[root].needs) if root in claims else []
+    waiting = list(claims[root].rests_on) if root in claims else []
     while waiting:
         need = waiting.pop()
         if need not in found:
             found.add(need)
-            waiting.extend(claims[need].needs)
+            waiting.extend(claims[need].rests_on)
     return found
 
 
@@ -91,7 +95,7 @@ def _node(claim: Claim, x: float, y: float, heavy: bool) -> str:
     colour = COLOURS[claim.status]
     text = claim.id if len(claim.id) <= 20 else claim.id[:19] + "…"
     return (
-        f"<g><title>{escape(claim.source)}: {escape(claim.statement)} -- {claim.status.name}</title>"
+        f"<g><title>{escape(place_of(claim))}: {claim.status.name}</title>"
         f'<rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{HEIGHT}" rx="4" fill="{colour}" '
         f'fill-opacity="{1 if heavy else 0.78}" stroke="{"#111" if heavy else "none"}"/>'
         f'<text x="{x + WIDTH / 2:.0f}" y="{y + 15:.0f}" fill="white" text-anchor="middle">{escape(text)}</text></g>'

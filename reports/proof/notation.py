@@ -1,126 +1,138 @@
-# ruff: noqa: RUF001 -- Greek letters are what this table is for
-"""How the symbols of the proof are typeset: one table for LaTeX and MathML."""
+# ruff: noqa: RUF001 -- Greek letters are printed here
+"""How the statements of the proof are typeset: LaTeX, presentation MathML and plain text."""
 
 from __future__ import annotations
 
+from functools import cache, lru_cache
 from typing import Any
 
-# base name -> (LaTeX letter, its subscript, Unicode letter, its subscript); the vehicle's index follows the subscript
-_PLAIN = {name: (name, "", name, "") for name in ("x", "y", "v", "m", "I", "r", "R", "a", "V", "W")}
-_GREEK = {
-    name: (f"\\{name}", "", letter, "")
-    for name, letter in (
-        ("theta", "θ"), ("omega", "ω"), ("psi", "ψ"), ("alpha", "α"), ("delta", "δ"), ("tau", "τ"), ("lambda", "λ"),
-        ("beta", "β"), ("eta", "η"), ("kappa", "κ"), ("mu", "μ"), ("nu", "ν"), ("chi", "χ"), ("rho", "ρ"),
-        ("sigma", "σ"), ("gamma", "γ"),
-    )
-}  # fmt: skip
-_COMPOUND = {
-    "p_v": ("p", "v", "p", "v"),
-    "d_v": ("d", "v", "d", "v"),
-    "p_omega": ("p", "\\omega", "p", "ω"),
-    "d_omega": ("d", "\\omega", "d", "ω"),
-    "k_alpha": ("k", "\\alpha", "k", "α"),
-    "e_x": ("e", "x", "e", "x"),
-    "e_y": ("e", "y", "e", "y"),
-    "e_theta": ("e", "\\theta", "e", "θ"),
-    "e_x_dot": ("\\dot e", "x", "ė", "x"),
-    "e_y_dot": ("\\dot e", "y", "ė", "y"),
-    "e_theta_dot": ("\\dot e", "\\theta", "ė", "θ"),
-    "x_dot": ("\\dot x", "", "ẋ", ""),
-    "v_dot": ("\\dot v", "", "v̇", ""),
-    "v_ddot": ("\\ddot v", "", "v̈", ""),
-    "omega_dot": ("\\dot\\omega", "", "ω̇", ""),
-    "omega_ddot": ("\\ddot\\omega", "", "ω̈", ""),
-    "alpha_dot": ("\\dot\\alpha", "", "α̇", ""),
-    "psi_dot": ("\\dot\\psi", "", "ψ̇", ""),
-    "psi_ddot": ("\\ddot\\psi", "", "ψ̈", ""),
-    "psi_bar": ("\\bar\\psi", "", "ψ̄", ""),
-    "tau_l": ("\\tau", "\\ell", "τ", "ℓ"),
-    "tau_r": ("\\tau", "r", "τ", "r"),
-    "u_v": ("u", "v", "u", "v"),
-    "u_omega": ("u", "\\omega", "u", "ω"),
-    "u_bar_v": ("\\bar u", "v", "ū", "v"),
-    "u_bar_omega": ("\\bar u", "\\omega", "ū", "ω"),
-    "delta_x": ("\\delta", "x", "δ", "x"),
-    "delta_y": ("\\delta", "y", "δ", "y"),
-    "psi0": ("\\psi", "0", "ψ", "0"),
-    "psi1": ("\\psi", "1", "ψ", "1"),
-    "psi2": ("\\psi", "2", "ψ", "2"),
-    "V_dot": ("\\dot V", "", "V̇", ""),
-    "y^T L y": ("y^{\\top} L\\, y", "", "yᵀLy", ""),
-    "|e_z|^2": ("|e_z|^2", "", "|e_z|²", ""),
-    "W_dot": ("\\dot W", "", "Ẇ", ""),
-}
-_TABLE = _PLAIN | _GREEK | _COMPOUND
+import sympy as sp
+from sympy.printing.latex import LatexPrinter
+from sympy.printing.mathml import MathMLPresentationPrinter
+from sympy.printing.str import StrPrinter
+
+from ...models.algebra.log_cosh import log_cosh
+from ..escapes import tex_text
+from .letters import LETTERS, letter_of
+
+_GREEK_NAMES = "alpha beta gamma delta epsilon eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega"
+GREEK = dict(zip(_GREEK_NAMES.split(), "αβγδεηθκλμνξρστφχψω", strict=True))
+_MARKS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "hat": "\u0302", "": ""}
+_ARROWS = {"∥": "\\parallel", "⊥": "\\perp"}
+CACHED = 4096  # expressions of one report
+_TANH, _LN_COSH = sp.Function("tanh"), sp.Function("lncosh")  # as SymPy's, but their sign is left alone
 
 
-def _parts(name: str) -> tuple[tuple[str, str, str, str], str] | None:
-    if name in _COMPOUND or name in _GREEK:
-        return _TABLE[name], ""
-    base, _, index = name.rpartition("_")
-    return (_TABLE[base], index) if base in _TABLE else None
+@lru_cache(maxsize=CACHED)
+def tidy(expression: Any) -> Any:
+    """The expression as it is read: ln cosh, differences that begin with what is compared, D for the sum of weights."""
+    shown = sp.sympify(expression).replace(log_cosh, lambda s: _LN_COSH(_forward(s)[1]))
+    shown = shown.replace(sp.tanh, lambda s: _forward(s)[0] * _TANH(_forward(s)[1]))
+    return shown.replace(lambda e: e.is_Add and e in _degrees(), lambda e: _degrees()[e])
 
 
-def latex(expression: Any) -> str:
-    """LaTeX of a SymPy expression of the proof."""
-    import sympy as sp
-
-    shown = _logarithms(expression)
-    names = {s: _latex_symbol(s.name) for s in shown.free_symbols}
-    return str(sp.latex(shown, symbol_names=names, mul_symbol="\\,"))
-
-
-def _latex_symbol(name: str) -> str:
-    found = _parts(name)
-    if found is None:
-        return f"\\text{{{_escaped(name)}}}" if len(name) > 1 else name
-    (letter, sub, _, _), index = found
-    lower = " ".join(part for part in (sub, index.replace("l", "\\ell")) if part)
-    return f"{letter}_{{{lower}}}" if lower else letter
+def _forward(argument: Any) -> tuple[int, Any]:
+    """(sign, sign * argument) with the sign that makes the first place or angle in it positive."""
+    states = [s for s in argument.free_symbols if s.name.partition("_")[0] in ("x", "y", "theta")]
+    first = min(states, key=lambda s: s.name, default=None)
+    backward = first is not None and bool(sp.expand(argument).coeff(first).could_extract_minus_sign())
+    return (-1, sp.expand(-argument)) if backward else (1, argument)
 
 
-def _escaped(name: str) -> str:
-    return name.replace("_", "\\_").replace("^", "\\textasciicircum{}")
+@cache
+def _degrees() -> dict[Any, Any]:
+    """a_ij + a_il as D_i, of both vehicles of the generic edge."""
+    edge = sp.Symbol("a_ij", real=True, positive=True)
+    leader = {i: sp.Symbol(f"a_{i}l", real=True, positive=True) for i in "ij"}
+    return {edge + a: sp.Symbol(f"D_{i}", real=True, positive=True) for i, a in leader.items()}
 
 
-def mathml(expression: Any) -> str:
-    """Presentation MathML of a SymPy expression of the proof, one <math> element."""
-    from sympy.printing.mathml import MathMLPresentationPrinter
+class _Ordered:
+    """What is added comes before what is taken away."""
 
-    class Printer(MathMLPresentationPrinter):  # type: ignore[misc]
-        def _print_Symbol(self, symbol: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
-            return _mathml_symbol(self.dom, symbol.name)
-
-    printer = Printer()
-    body = printer._print(_logarithms(expression))
-    return f'<math display="inline" displaystyle="true"><mrow>{body.toxml()}</mrow></math>'
+    def _as_ordered_terms(self, expr: Any, order: Any = None) -> list[Any]:
+        terms = super()._as_ordered_terms(expr, order=order)  # type: ignore[misc]
+        return sorted(terms, key=lambda term: bool(term.could_extract_minus_sign()))
 
 
-def _mathml_symbol(dom: Any, name: str) -> Any:
-    def leaf(tag: str, content: str) -> Any:
-        node = dom.createElement(tag)
-        node.appendChild(dom.createTextNode(content))
+class _Latex(_Ordered, LatexPrinter):  # type: ignore[misc]
+    def _print_Symbol(self, expr: Any, style: str = "plain") -> str:  # noqa: ARG002, N802
+        letter, index = letter_of(expr.name)
+        shown = _latex_letter(letter.letter)
+        shown = f"\\{letter.accent}{{{shown}}}" if letter.accent else shown
+        lower = " ".join(_latex_sub(part) for part in (letter.sub, index) if part)
+        return f"{{{shown}}}_{{{lower}}}" if lower else shown
+
+
+def _latex_letter(letter: str) -> str:
+    if letter in GREEK:
+        return f"\\{letter}"
+    return letter if len(letter) == 1 else f"\\mathrm{{{letter}}}"
+
+
+def _latex_sub(sub: str) -> str:
+    if sub in _ARROWS:
+        return _ARROWS[sub]
+    shown = [_latex_letter(part) if part in GREEK else _latex_index(part) for part in sub.split(",")]
+    return ",".join(shown)
+
+
+def _latex_index(index: str) -> str:
+    if len(index) <= 2 and index.isalnum():
+        return index.replace("l", "\\ell ")
+    return f"\\mathrm{{{tex_text(index)}}}"
+
+
+class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
+    def _print_Symbol(self, expr: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
+        letter, index = letter_of(expr.name)
+        shown = self._leaf(GREEK.get(letter.letter, letter.letter) + _MARKS[letter.accent])
+        lower = [GREEK.get(part, part) for part in letter.sub.split(",") if part]
+        lower += [index.replace("l", "ℓ") if len(index) <= 2 else index] if index else []
+        if not lower:
+            return shown
+        node, row = self.dom.createElement("msub"), self.dom.createElement("mrow")
+        for part in lower:
+            row.appendChild(self._leaf(part))
+        node.appendChild(shown)
+        node.appendChild(row)
         return node
 
-    found = _parts(name)
-    if found is None:
-        return leaf("mi", name)
-    (_, _, letter, sub), index = found
-    if not sub + index:
-        return leaf("mi", letter)
-    node, lower = dom.createElement("msub"), dom.createElement("mrow")
-    node.appendChild(leaf("mi", letter))
-    for part in (sub, index.replace("l", "ℓ")):
-        if part:
-            lower.appendChild(leaf("mi", part))
-    node.appendChild(lower)
-    return node
+    def _leaf(self, content: str) -> Any:
+        node = self.dom.createElement("mi")
+        node.appendChild(self.dom.createTextNode(content))
+        return node
 
 
-def _logarithms(expression: Any) -> Any:
-    import sympy as sp
+class _Text(_Ordered, StrPrinter):  # type: ignore[misc]
+    pass
 
-    from ...models.algebra.log_cosh import log_cosh
 
-    return sp.sympify(expression).replace(log_cosh, lambda s: sp.log(sp.cosh(s)))
+@lru_cache(maxsize=CACHED)
+def latex(expression: Any) -> str:
+    """LaTeX of an expression."""
+    printed = _Latex({"mul_symbol": "\\,", "fold_short_frac": False}).doprint(tidy(expression))
+    return str(printed).replace(r"\operatorname{lncosh}", r"\ln\cosh").replace(r"\operatorname{tanh}", r"\tanh")
+
+
+@lru_cache(maxsize=CACHED)
+def mathml(expression: Any) -> str:
+    """Presentation MathML of an expression, without the <math> element around it."""
+    body = _MathML()._print(tidy(expression))
+    return f"<mrow>{body.toxml().replace('lncosh', 'ln cosh')}</mrow>"
+
+
+@lru_cache(maxsize=CACHED)
+def text(expression: Any) -> str:
+    """One line of plain text."""
+    return str(_Text().doprint(tidy(expression))).replace("lncosh", "ln cosh").replace("**", "^")
+
+
+def meanings(expressions: Any) -> list[tuple[Any, str]]:
+    """Every letter that occurs in the expressions, with what it means, in the order of the table."""
+    used = {_base(s.name) for e in expressions for s in tidy(e).atoms(sp.Symbol)}
+    return [(sp.Symbol(base, real=True), letter.meaning) for base, letter in LETTERS.items() if base in used]
+
+
+def _base(name: str) -> str:
+    return name if name in LETTERS else name.rpartition("_")[0]

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 import pytest
-from gaincert.models.paper import paper_fleet
+from gaincert.models.fleet import Fleet
+from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.reports.html.page import write_report
 from gaincert.verify import proof
 
@@ -32,6 +33,16 @@ def claims():
 
 @pytest.fixture(scope="session")
 def hostile_claims():
-    """Claims whose witness is markup of every language."""
-    fleet = paper_fleet().model_copy(update={"name": HOSTILE})
-    return [replace(claim, witness=HOSTILE) if claim.id == "eq-21" else claim for claim in proof.prove(fleet)]
+    """Claims with markup of every language for a vehicle's name and for the values of a witness."""
+    fleet = paper_fleet()
+    vehicles = tuple(vehicle.model_copy(update={"name": HOSTILE}) for vehicle in fleet.vehicles)
+    hostile = Fleet.model_construct(**{**dict(fleet), "vehicles": vehicles})
+    vars(hostile)["graph"] = fleet.graph
+    return [_with_values(claim) for claim in proof.prove(hostile, paper_gains())]
+
+
+def _with_values(claim):
+    if claim.id != "eq-21":
+        return claim
+    witness = replace(claim.facts[0].witness, left=HOSTILE)
+    return replace(claim, facts=(replace(claim.facts[0], witness=witness, values=(HOSTILE,)),))

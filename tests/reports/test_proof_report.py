@@ -1,3 +1,4 @@
+# ruff: noqa: RUF001 -- mathematical letters are compared
 """The proof report: five files, escaped, typeset, and a LaTeX document that compiles."""
 
 import json
@@ -6,9 +7,13 @@ import subprocess
 import pytest
 from defusedxml import ElementTree
 from gaincert.reports.proof import documents as proof_report
+from gaincert.reports.proof.inline import inline_html, inline_markdown, inline_tex
+from gaincert.reports.proof.letters import letter_of
 from gaincert.reports.proof.notation import latex, mathml
-from gaincert.verify.proof.claim import Status
-from gaincert.verify.proof.generic_fleet import generic
+from gaincert.reports.proof.statements import expressions, inner_steps
+from gaincert.reports.proof.words import ALL
+from gaincert.verify.proof.claim import Kind, Status
+from gaincert.verify.proof.method.fleet_symbols import generic
 
 
 @pytest.fixture(scope="module")
@@ -34,10 +39,75 @@ def test_json_has_the_keys_of_the_contract(claims, documents):
         assert row["status"] not in ("CORRECTED", "REFUTED") or row["witness"]
 
 
-def test_what_is_false_heads_the_report(documents):
-    for name in ("proof.md", "proof.html", "proof.tex"):
+def test_what_is_false_heads_the_report_and_the_rest_is_in_the_papers_order(claims, documents):
+    """A page of what is false and what it changes, then every claim: (1) before (18) before L5 before the fleet."""
+    false = [
+        claim for claim in claims if claim.kind is Kind.PAPER and claim.status in (Status.REFUTED, Status.CORRECTED)
+    ]
+    assert len(false) == 15
+    html = (documents / "proof.html").read_text()
+    summary, rest = html.split('<h2 id="part-1">')
+    assert all(f'href="#claim-{claim.id}"' in summary for claim in false)
+    order = [
+        rest.index(f'id="claim-{id_}"')
+        for id_ in ("eq-1", "eq-12", "prop-1", "eq-18", "eq-21", "table-1", "L0", "L5", "theorem", "A1")
+    ]
+    assert order == sorted(order)
+    for name in ("proof.md", "proof.tex"):
         text = (documents / name).read_text()
-        assert text.index("Refuted (") < text.index("Corrected (") < text.index("Proved (")
+        assert text.index("what it changes for your gains") < text.index("The paper, in its order")
+
+
+def test_every_false_statement_says_what_it_changes(claims):
+    for claim in claims:
+        false = claim.kind is Kind.PAPER and claim.status in (Status.REFUTED, Status.CORRECTED)
+        assert bool(ALL[claim.id].effect) == false, claim.id
+
+
+def test_all_facts_of_every_claim_are_shown(claims, documents):
+    html = (documents / "proof.html").read_text()
+    for claim in claims:
+        section = html.split(f'id="claim-{claim.id}"')[1].split("</section>")[0]
+        truth = claim.truth if claim.status is Status.CORRECTED else ()
+        assert section.count("<li") == len(claim.facts) + len(truth) + len(inner_steps(claim)), claim.id
+
+
+def test_every_letter_is_explained(claims, documents):
+    html = (documents / "proof.html").read_text().split('<h2 id="letters">')[1]
+    symbols = {s for e in expressions(claims) for s in getattr(e, "free_symbols", ())}
+    assert len(symbols) > 100
+    for symbol in symbols:
+        letter, _ = letter_of(symbol.name)
+        assert letter.meaning
+    assert html.count("<tr>") > 60
+    with pytest.raises(KeyError, match="no meaning"):
+        letter_of("unheard_of")
+
+
+def test_energies_are_followed_line_by_line(documents):
+    for name, lines in (("proof.html", 6), ("proof.md", 6), ("proof.tex", 6)):
+        text = (documents / name).read_text().lower()
+        assert text.count("line by line") == lines
+        assert text.count("terms that cancel in pairs") == lines
+        assert text.count("less what is stated") == lines
+
+
+@pytest.mark.parametrize(
+    ("sentence", "html", "tex"),
+    [
+        ("omega_i <= psi_bar", "<i>ω</i><sub>i</sub> ≤ <i>ψ̄</i>", r"$\omega_{i}$ $\le$ $\bar{\psi}$"),
+        (
+            "phi_perp^T e_z' & a",
+            "<i>φ</i><sub>⊥</sub><sup>⊤</sup> <i>e</i><sub>z</sub>′ &amp; a",
+            r"$\phi_{\perp}^{\top}$ $e_{z}^{\prime}$ \& a",
+        ),
+        ("a robot's <b>", "a robot&#x27;s &lt;b&gt;", r"a robot's \textless{}b\textgreater{}"),
+    ],
+)
+def test_mathematics_in_sentences_is_typeset(sentence, html, tex):
+    assert inline_html(sentence) == html
+    assert inline_tex(sentence) == tex
+    assert "<b>" not in inline_markdown(sentence)
 
 
 def test_svg_and_html_are_well_formed(documents):

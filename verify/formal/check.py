@@ -160,6 +160,11 @@ def check(folder: Path = FOLDER) -> dict[str, object]:
     return {"digest": sources, "coq": version, "theorems": record}
 
 
+def as_text(record: dict[str, object]) -> str:
+    """The record as its file has it."""
+    return json.dumps(record, indent=1) + "\n"
+
+
 def compiled(folder: Path, work: Path) -> str:
     """Compiles a copy of the sources from nothing and compares the claims; what Coq prints of the assumptions."""
     coqc = ["coqc", "-q", "-Q", ".", "Gaincert"]
@@ -187,7 +192,7 @@ def main() -> int:
     for name, axioms in record["theorems"].items():  # type: ignore[attr-defined]
         print(f"{name}: {', '.join(axioms) or 'no assumption'}")  # noqa: T201
     print(f"proved with Coq {record['coq']}, sources {record['digest']}; recorded in {RECORD.name}")  # noqa: T201
-    RECORD.write_text(json.dumps(record, indent=1) + "\n")
+    RECORD.write_text(as_text(record))
     return 0
 
 

@@ -1,4 +1,4 @@
-"""The proof checker: the paper's printed claims, the lemmas of the corrected theorem, and their chain."""
+"""The proof check: the paper's claims, the lemmas of the corrected theorem, and what follows for a fleet."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def prove(fleet: Fleet | None = None, gains: Gains | None = None) -> list[Claim]
 
 
 def theorem_proved(claims: Iterable[Claim]) -> bool:
-    """Whether the corrected theorem came out PROVED: exit code 0 of `gaincert prove`."""
+    """Whether the corrected theorem and every lemma holds: exit code 0 of `gaincert prove`."""
     from .checker import theorem_proved as proved
 
     return proved(claims)

@@ -22,13 +22,13 @@ class IntegrationError(NamedTuple):
 
 @dataclass(frozen=True)
 class Summary:
-    """The results of one run of a fleet."""
+    """What one run of a fleet came to."""
 
     settling_time: float  # s; inf if not settled at the end
-    approach: Approach  # how the error moves at the end, if not settled
+    approach: Approach  # what the error does at the end, where not settled
     tolerance: Tolerance
     horizon: float  # s
-    peak_torque_ratio: float  # |wheel torque| / its limit
+    peak_torque_ratio: float  # |wheel torque| divided by its limit
     final_position_error: float  # m, the largest of the fleet
     final_heading_error: float  # rad
     max_V_increase: float  # noqa: N815 -- V of (17)

@@ -1,0 +1,1 @@
+"""The lemmas L0-L18 of the corrected theorem."""

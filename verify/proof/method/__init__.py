@@ -1,0 +1,1 @@
+"""How statements are checked: symbols, normal form, signs, balls and the rules that make facts."""

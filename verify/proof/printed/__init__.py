@@ -1,0 +1,1 @@
+"""The paper, line by line, at unit scales: each formula as it is printed against what the model's functions give."""
