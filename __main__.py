@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 def main() -> None:
-    """Run the command line; an interrupt while it is loaded is no traceback either."""
+    """Run the command line; an interrupt while it loads prints no traceback."""
     try:
         from .cli import main as command_line
 

@@ -56,7 +56,7 @@ def init(
 
 @verb
 def check(printer: Printer, *, fleet_path: cli.FleetPath) -> Outcome:
-    """Say what is in a fleet file, or all that is wrong with it."""
+    """Show the content of a fleet file, or all its mistakes."""
     from .workflows.check import check_fleet
 
     return Outcome(check_fleet(printer, fleet_path))
@@ -95,10 +95,10 @@ def design(
     compare: cli.Compare = False,
     against: cli.Against = None,
 ) -> Outcome:
-    """Choose gains that settle the fleet fast, within conditions."""
+    """Choose gains that settle the fleet fast and meet the conditions."""
     fleet = read_fleet(fleet_path)
     if against is not None:
-        read_gains(against, fleet)  # its mistakes are reported before the work begins
+        read_gains(against, fleet)  # report its mistakes before the work begins
     settled = tolerance_of(tolerance)
     options = DesignOptions(
         mode, conditions, excitation, weights, seed, digits, time_limit, settled, torque_factor, box
@@ -120,7 +120,7 @@ def certify(
     folder: cli.Folder,
     conditions: cli.CertifiedConditions = None,
 ) -> Outcome:
-    """Certify gains, whoever chose them."""
+    """Certify given gains."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
     name = conditions_of(conditions, chosen)
@@ -130,7 +130,7 @@ def certify(
 
 @verb
 def verify(printer: Printer, *, certificate: cli.CertificatePath, fleet: cli.CertifiedFleet = None) -> Outcome:
-    """Check a certificate again, with the trusted kernel alone."""
+    """Check a certificate again with the trusted kernel alone."""
     from .verify.certificates.certify import verify as verify_file
 
     verdict = verify_file(certificate, None if fleet is None else read_fleet(fleet))
@@ -158,7 +158,7 @@ def simulate(
     tolerance: cli.ToleranceOption = (0.1, 0.1),
     engine: cli.EngineOption = cli.Engine.auto,
 ) -> Outcome:
-    """Simulate the fleet from its own start, and draw it."""
+    """Simulate the fleet from its own start and draw figures."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
     disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
@@ -192,7 +192,7 @@ def validate(
     largest_sample_time: cli.LargestSampleTime = False,
     replay: cli.Replay = None,
 ) -> Outcome:
-    """Simulate from many starts; an interrupted run is continued."""
+    """Simulate from many starts; continues an interrupted validation."""
     fleet = read_fleet(fleet_path)
     chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
     count = starts if replay is None else max(starts, replay + 1)
@@ -237,7 +237,7 @@ def export(
     interface: cli.InterfaceOption = cli.Interface.effort,
     fleet: cli.FolderFleet = None,
 ) -> Outcome:
-    """Write the gains for robots, spreadsheets and papers, or the run for viewers of logs."""
+    """Write the gains for robots, spreadsheets and papers, or a run for log viewers."""
     from .reports.export.formats import export as export_files
 
     paths = [str(path) for path in export_files(folder, kind.value, fleet, interface.value)]

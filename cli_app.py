@@ -43,7 +43,7 @@ def main_options(
         bool, typer.Option("--version", callback=_print_version, is_eager=True, help="print the version and exit")
     ] = False,
 ) -> None:
-    """Take the options that stand before the verb."""
+    """Take the options before the verb."""
 
 
 def verb(function: Callable[..., Outcome]) -> Callable[..., None]:
@@ -83,7 +83,7 @@ def run_application() -> None:
     except MemoryError:
         _fail(FaultError("no memory is left; use a machine with more, or fewer vehicles, starts or workers"))
     except SystemExit as leaving:
-        if leaving.code == INTERRUPTED:  # what typer makes of a KeyboardInterrupt
+        if leaving.code == INTERRUPTED:  # typer's exit code for a KeyboardInterrupt
             sys.stderr.write("interrupted; every file that was finished is whole\n")
         raise
     except Exception as error:  # a bug: never mistaken for a verdict
@@ -94,6 +94,6 @@ def run_application() -> None:
 
 
 def _fail(error: GaincertError) -> None:
-    with suppress(OSError):  # where standard error takes nothing either, the exit code says it
+    with suppress(OSError):  # if standard error fails too, only the exit code remains
         sys.stderr.write("".join(f"error: {one_line(line)}\n" for line in str(error).split("\n")))
     raise SystemExit(error.exit_code) from None

@@ -44,7 +44,7 @@ class Source(StrEnum):
 
 
 class Format(StrEnum):
-    """What `export` writes."""
+    """The formats of `export`."""
 
     ros2 = "ros2"
     c = "c"
@@ -55,7 +55,7 @@ class Format(StrEnum):
 
 
 class Interface(StrEnum):
-    """What the exported ROS 2 node commands."""
+    """The commands of the exported ROS 2 node: torques or velocities."""
 
     effort = "effort"
     velocity = "velocity"
@@ -99,8 +99,8 @@ Verbose = Annotated[bool, typer.Option("-v", "--verbose", help="print more")]
 # Files and folders.
 FleetPath = Annotated[Path, typer.Argument(metavar="FLEET.toml", help="the fleet file")]
 CertificatePath = Annotated[Path, typer.Argument(metavar="CERTIFICATE.json", help="the certificate")]
-ResultFolder = Annotated[Path, typer.Argument(metavar="DIR", help="a folder that other verbs wrote to")]
-Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the folder that the files are written to")]
+ResultFolder = Annotated[Path, typer.Argument(metavar="DIR", help="a folder with results of other verbs")]
+Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the output folder")]
 ProofFolder = Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report here")]
 GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
 GivenGains = Annotated[
@@ -118,7 +118,7 @@ ProofFleet = Annotated[
 ]
 CertifiedFleet = Annotated[
     Path | None,
-    typer.Option("--fleet", metavar="FLEET.toml", help="also check that the certificate is of this fleet"),
+    typer.Option("--fleet", metavar="FLEET.toml", help="also check that the certificate belongs to this fleet"),
 ]
 
 # init, export, report
@@ -126,7 +126,7 @@ TemplateOption = Annotated[Template, typer.Option(help="the kind of fleet")]
 Vehicles = Annotated[
     int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for all but the paper's fleet")
 ]
-FormatOption = Annotated[Format, typer.Option("--format", help="what will read the gains, or the run")]
+FormatOption = Annotated[Format, typer.Option("--format", help="the format of the gains, or mcap for a run")]
 InterfaceOption = Annotated[Interface, typer.Option(help="what the ROS 2 node commands: wheel torques or twists")]
 Animate = Annotated[
     Animation | None, typer.Option(help="also write animation.gif, or animation.mp4 (which needs ffmpeg)")
@@ -138,9 +138,9 @@ CertifiedConditions = Annotated[
     Conditions | None,
     typer.Option("--conditions", help="the condition set [default: the one in the gains file, else paper]"),
 ]
-ModeOption = Annotated[Mode, typer.Option(help="a search of seconds, or one within the time limit")]
+ModeOption = Annotated[Mode, typer.Option(help="fast: some seconds; best: until the time limit")]
 ExcitationOption = Annotated[
-    Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given where the file has one]")
+    Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given if the file has one]")
 ]
 WeightsOption = Annotated[Source, typer.Option(help="a_ij and a_il of the fleet file, or designed ones on its links")]
 Seed = Annotated[int, typer.Option(min=0, help="seed of the random starts and of the search")]
@@ -171,13 +171,20 @@ Against = Annotated[
 
 # simulate, validate
 SchemeOption = Annotated[Scheme, typer.Option(help="the paper's controller, or its unbounded comparison")]
-EngineOption = Annotated[Engine, typer.Option(help="cvodes, or the explicit integrator for large fleets")]
+EngineOption = Annotated[
+    Engine, typer.Option(help="auto: cvodes below 1000 vehicles, else scale, the explicit one for large fleets")
+]
 MethodOption = Annotated[
-    Method, typer.Option("--integrator", help="auto: cvodes in two stages; dop853: an independent, slow check")
+    Method,
+    typer.Option(
+        "--integrator",
+        help="auto: cvodes with a test for chaos below 1000 vehicles, else the explicit one for large fleets; "
+        "dop853: an independent, slow check",
+    ),
 ]
 OpenHorizon = Annotated[
     float | None,
-    typer.Option("--horizon", min=0.1, max=1e6, help="simulated time, s [default: a while past settling]"),
+    typer.Option("--horizon", min=0.1, max=1e6, help="simulated time, s [default: until some time after settling]"),
 ]
 Horizon = Annotated[
     float | None,
@@ -194,13 +201,15 @@ Scheduler = Annotated[
 ]
 LargestSampleTime = Annotated[
     bool,
-    typer.Option("--largest-sample-time", help="find the longest one with which all starts settle within torques"),
+    typer.Option(
+        "--largest-sample-time", help="find the longest sample time at which all starts settle within the torque limits"
+    ),
 ]
 Replay = Annotated[
     int | None, typer.Option(min=0, metavar="K", help="only run start K again, and store its trajectory")
 ]
 
-# What a real robot adds; the [disturbance] table of the fleet file is the default.
+# Disturbances; the [disturbance] table of the fleet file is the default.
 SampleTime = Annotated[
     float | None,
     typer.Option(min=1e-4, max=10, metavar="S", help="compute the torques at this interval and hold them in between"),

@@ -73,7 +73,7 @@ def measure(n: int) -> dict[str, Any]:
     built = clock()
     certificate = certify(fleet, fleet.psi, gains, "corrected", seed=0)  # type: ignore[arg-type]
     certified = clock()
-    rates = {name: found and found["rate"] for name, found in certificate.content["rates"].items()}
+    rates = {name: rate and float(rate) for name, rate in certificate.rates.items()}
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "certificate.json"
         certificate.write(path)
@@ -101,7 +101,7 @@ CHILD = """
 import re, sys
 from pathlib import Path
 from gaincert.verify import kernel
-verdict = kernel.check(Path(sys.argv[1]))
+verdict = kernel.check_data(kernel.read(sys.argv[1]))
 print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 2**20)
 sys.exit(not verdict.valid)
 """

@@ -2,16 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 from collections.abc import Mapping
-from fractions import Fraction
 from typing import Any, NamedTuple
 
 from .excitation import Excitation
-from .fleet import Fleet
+from .fleet import Fleet, digest_of
+from .fleet_content import excitation_content, fixed_point
 from .gains import GAIN_NAMES, Gains
-from .numbers import decimal_text
 
 KEYS = ("fleet_digest", "gains_digest")  # of the entries of JSON files
 
@@ -45,11 +42,11 @@ def gains_digest(used: Fleet, excitation: Excitation, gains: Gains) -> str:
     """SHA-256 of all numbers of the controller: gains, scales, psi, links, robots and the leader's pose."""
     scales = gains.saturation.columns(len(used))
     content: dict[str, Any] = {
-        "fleet": used.content(),
+        "fleet": used.digest,
+        "vehicles": used.names,
         "leader": used.leader.model_dump(mode="json"),
-        "gains": {name: [decimal_text(value) for value in getattr(gains, name)] for name in GAIN_NAMES},
-        "saturation": {name: [decimal_text(Fraction(value)) for value in column] for name, column in scales.items()},
-        "excitation": excitation.table(),
+        "gains": {name: fixed_point(getattr(gains, name)) for name in GAIN_NAMES},
+        "saturation": {name: fixed_point(column) for name, column in scales.items()},
+        "excitation": excitation_content(excitation),
     }
-    text = json.dumps(content, sort_keys=True, separators=(",", ":"))
-    return "sha256:" + hashlib.sha256(text.encode()).hexdigest()
+    return digest_of(content)

@@ -17,6 +17,7 @@ from .arrays import Array, column, floats
 from .conditions import ConditionData
 from .equations import Plant, State
 from .excitation import Excitation
+from .fleet_content import fleet_content
 from .fleet_tables import DisturbanceTable, ExcitationTable, Leader, Links, Name, SaturationTable, Table, Vehicle
 from .graph import Graph
 from .graph_checks import graph_mistakes
@@ -140,29 +141,21 @@ class Fleet(Table):
         rows = [(*s.position, s.theta, s.v, s.omega) for s in starts if s is not None]
         return State(*np.array(rows, dtype=float).T)
 
+    @cached_property
     def content(self) -> dict[str, Any]:
-        """What a certificate says of the fleet, in the file's keys.
+        """What a certificate says of the fleet; see `fleet_content`.
 
-        Left out are its name, the leader's pose, starts, scales (they belong to the gains) and the disturbance.
+        Left out are names, the leader's pose, starts, footprints, scales (they belong to the gains), the disturbance.
         """
-        tables: Any = dict.fromkeys(("name", "leader", "disturbance", "saturation"), True)
-        left_out = {**tables, "vehicles": {"__all__": {"start", "footprint", "com_offset"}}}
-        content: dict[str, Any] = self.model_dump(mode="json", by_alias=True, exclude=left_out)
-        for vehicle in content["vehicle"]:
-            if vehicle["wheel_inertia"] == "0":
-                del vehicle["wheel_inertia"]
-            for name in ("wheel_speed", "acceleration", "turn_acceleration"):
-                if vehicle["limits"][name] is None:
-                    del vehicle["limits"][name]
-        return content
+        return fleet_content(self.drive, self.vehicles, self.graph, self.psi)
 
     @cached_property
     def digest(self) -> str:
-        """The digest of the content: what ties a certificate to a fleet file."""
-        return digest_of(self.content())
+        """The digest of the content: what ties a certificate to a fleet file. The names of vehicles do not count."""
+        return digest_of(self.content)
 
 
-def digest_of(content: dict[str, Any]) -> str:
-    """SHA-256 of a fleet's content, as canonical JSON."""
+def digest_of(content: Any) -> str:
+    """SHA-256 of some content as JSON with sorted keys, without spaces."""
     text = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     return "sha256:" + hashlib.sha256(text.encode()).hexdigest()

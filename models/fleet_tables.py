@@ -11,7 +11,7 @@ from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_valida
 from pydantic_core import PydanticCustomError
 
 from .excitation import Excitation
-from .numbers import NotNegative, Number, Positive, Uncertain, UncertainOrZero, high, low, nominal
+from .numbers import Interval, NotNegative, Number, Positive, Uncertain, UncertainOrZero, high, low, nominal
 from .saturation import Saturation
 
 Name = Annotated[str, Field(min_length=1, max_length=64)]
@@ -92,19 +92,37 @@ class Vehicle(Table):
     com_offset: Point = (Fraction(0), Fraction(0))  # m, centre of mass ahead of the axle and left of its centre
 
     def mass_bounds(self) -> tuple[Fraction, Fraction]:
-        """(least, greatest) effective mass, kg: m + 2 J / r^2, since the wheels spin as the vehicle rolls."""
+        """(least, greatest) effective mass, kg: m + 2 J / r^2, since the wheels spin as the vehicle rolls.
+
+        Where r is an interval, controller and vehicle may have different values r and r' of it: the vehicle then moves
+        as one of mass (m + 2 J / r'^2) r' / r.
+        """
+        if self._exact and not self.wheel_inertia:
+            return low(self.mass), high(self.mass)
+        least, most = low(self.wheel_radius), high(self.wheel_radius)
         return (
-            low(self.mass) + 2 * low(self.wheel_inertia) / high(self.wheel_radius) ** 2,
-            high(self.mass) + 2 * high(self.wheel_inertia) / low(self.wheel_radius) ** 2,
+            (low(self.mass) * least + 2 * low(self.wheel_inertia) / most) / most,
+            (high(self.mass) * most + 2 * high(self.wheel_inertia) / least) / least,
         )
 
     def inertia_bounds(self, arm_factor: int) -> tuple[Fraction, Fraction]:
-        """(least, greatest) effective inertia, kg m^2: I + 2 J (arm / r)^2 with the lever arm arm_factor R."""
-        least, greatest = low(self.half_track) / high(self.wheel_radius), high(self.half_track) / low(self.wheel_radius)
+        """(least, greatest) effective inertia, kg m^2: I + 2 J (arm / r)^2 with the lever arm arm_factor R.
+
+        Where r or R are intervals it is (I + 2 J arm'^2 / r'^2) (r' / r) (arm / arm').
+        """
+        if self._exact and not self.wheel_inertia:
+            return low(self.inertia), high(self.inertia)
+        r, R = (low(self.wheel_radius), high(self.wheel_radius)), (low(self.half_track), high(self.half_track))
+        radii, arms = r[0] * r[1], arm_factor**2 * R[0] * R[1]
         return (
-            low(self.inertia) + 2 * low(self.wheel_inertia) * (arm_factor * least) ** 2,
-            high(self.inertia) + 2 * high(self.wheel_inertia) * (arm_factor * greatest) ** 2,
+            (low(self.inertia) * radii + 2 * low(self.wheel_inertia) * arms) * R[0] / (R[1] * r[1] ** 2),
+            (high(self.inertia) * radii + 2 * high(self.wheel_inertia) * arms) * R[1] / (R[0] * r[0] ** 2),
         )
+
+    @property
+    def _exact(self) -> bool:
+        """Whether r and R are known exactly."""
+        return not isinstance(self.wheel_radius, Interval) and not isinstance(self.half_track, Interval)
 
     def effective_mass(self) -> Fraction:
         """m + 2 J / r^2, kg, nominal where only intervals are known."""

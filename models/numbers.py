@@ -46,7 +46,7 @@ def decimal_text(number: Fraction) -> str:
     """
     if number.denominator == 1:
         return str(number.numerator)
-    places = _decimal_places(number.denominator)
+    places = decimal_places(number.denominator)
     if places is None:
         raise ValueError(f"{number} is no decimal number")
     digits = str(abs(number.numerator) * 10**places // number.denominator).rjust(places + 1, "0")
@@ -54,7 +54,7 @@ def decimal_text(number: Fraction) -> str:
 
 
 @lru_cache(maxsize=2**10)
-def _decimal_places(denominator: int) -> int | None:
+def decimal_places(denominator: int) -> int | None:
     """How many places after the point a fraction in lowest terms has; None if no decimal equals it."""
     twos = (denominator & -denominator).bit_length() - 1
     rest, fives = denominator >> twos, 0

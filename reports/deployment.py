@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-import hashlib
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from .. import __version__
 from ..models.arrays import Array
@@ -19,7 +17,6 @@ from ..models.files.fleet_text import dumps
 from ..models.files.gains_file import load_gains
 from ..models.files.text import write_text
 from ..models.fleet import Fleet
-from ..models.fleet_tables import Harmonics, Links, SquareWave
 from ..models.gains import Gains
 from .versions import versions
 
@@ -102,21 +99,17 @@ def _designed(path: Path, fleet: Fleet) -> Deployment:
 
 def _certified(path: Path, fleet: Fleet) -> Deployment:
     """The content of a certificate, after the kernel has accepted it for this fleet."""
-    from ..verify.certificates.certify import Certificate
+    from ..verify.certificates.certificate import Certificate
 
     certificate = Certificate.read(path, fleet)
     if not certificate.valid:
         raise InputError(f"{path}: {certificate.verdict}; certify the gains of this fleet again")
-    content = certificate.content
-    table = content["designed"].get("excitation") or content["fleet"]["excitation"]
-    links = content["designed"].get("graph")
-    family: Any = SquareWave if table["family"] == "square-wave" else Harmonics
     return Deployment(
-        fleet.with_links(Links.model_validate(links) if links else None),
-        family.model_validate(table).psi,
+        fleet.with_links(certificate.links(fleet)),
+        certificate.excitation,
         certificate.gains,
         fleet.digest,
-        "sha256:" + hashlib.sha256(path.read_bytes()).hexdigest(),
-        content["conditions"],
+        certificate.file_digest,
+        certificate.conditions,
         certificate.facts,
     )

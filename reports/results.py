@@ -10,6 +10,7 @@ from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from ..models.digests import KEYS, Digests
 from ..models.errors import InputError
+from ..models.fleet import digest_of
 from .tables.designs_table import read_json
 
 AGAIN = {  # file -> verb that writes it; the file that says most about the gains comes first
@@ -209,10 +210,10 @@ def _digests_of(path: Path) -> Digests:
     except InputError:
         return Digests("", "")
     if path.name == "certificate.json" and isinstance(content, dict):
-        # The kernel checks the fleet's digest. It does not read the digest of the gains.
+        # The kernel computes the fleet's digest. It does not read the digest of the gains.
         provenance = content.get("provenance")
         gains = provenance.get("gains_digest") if isinstance(provenance, dict) else None
-        content = dict(zip(KEYS, (content.get("digest"), gains), strict=True))
+        content = dict(zip(KEYS, (digest_of(content.get("fleet")), gains), strict=True))
     return Digests.of_json(content if isinstance(content, dict) else {})
 
 

@@ -22,14 +22,14 @@ from ..models.gains import Gains
 
 Floats = NDArray[np.float64]
 
-SWING_PHASES = 65  # points of a period at which the heading's swing is looked at
+SWING_PHASES = 65  # points of a period at which the heading's swing is evaluated
 TAIL_SECONDS = 60.0  # of wall clock for one tail
-LONGEST_TAIL = 1e7  # s, a tail beyond which counts as never
+LONGEST_TAIL = 1e7  # s; a longer tail counts as infinite
 
 
 @dataclass(frozen=True)
 class Rates:
-    """What near the goal says about speed."""
+    """The rates near the goal."""
 
     gamma_omega: float  # 1/s, exponential rate of the headings
     gamma_v: float  # 1/s, exponential rate along the track
@@ -64,7 +64,7 @@ def exponential_rate(M: Floats, C: Floats, L: Any) -> float:
 
 
 def _positive_definite(matrix: Any) -> bool:
-    """Whether a sparse symmetric matrix has positive pivots, taken down its diagonal."""
+    """Whether a sparse symmetric matrix has positive pivots, in the order of its diagonal."""
     from scipy.sparse.linalg import splu
 
     options = {"SymmetricMode": True}
@@ -91,7 +91,7 @@ class CrossTrack:
             track = self._L + diags_array(-M_v * w**2 + 1j * w * C_v)
             try:
                 self._tones.append((w, gains.k_alpha * phasor, splu(heading.tocsc()), splu(track.tocsc())))
-            except RuntimeError:  # beyond what floating point can tell apart
+            except RuntimeError:  # singular to floating point precision
                 raise UndecidedError(
                     f"the response to psi at {w:g} rad/s is singular in floating point; "
                     "are a weight, a limit or a parameter of the fleet of the wrong size?"

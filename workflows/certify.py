@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: str, folder: Path) -> Certificate:
-    """Write certificate.json where the gains meet the conditions; say what is broken where they do not."""
+    """Write certificate.json if the gains meet the conditions; else print which condition is broken."""
     from ..reports.deployment import write_fleet_copy
     from ..verify.certificates.certify import certify
 
@@ -33,7 +33,7 @@ def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: 
 
 
 def as_json(certificate: Certificate, conditions: str, folder: Path) -> dict[str, Any]:
-    """What `certify --json` prints."""
+    """The JSON document of `certify`."""
     return {
         "valid": certificate.valid,
         "conditions": conditions,

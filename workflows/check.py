@@ -1,4 +1,4 @@
-"""`check`: what is in a fleet file, what every robot is taken to be, and what may surprise."""
+"""`gaincert check`: the content of a fleet file, the numbers used for every robot, and notes on surprising entries."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
-    """Print the summary of a fleet file and return it, as JSON. Raises InputError with all that is wrong."""
+    """Print the summary of a fleet file and return it, as JSON. Raises InputError with all mistakes."""
     from ..models.files.fleet_file import load_fleet_file
     from ..models.vehicle_notes import centre_of_mass_note, heading_hint
     from ..reports.obstacles import of_fleet

@@ -24,7 +24,7 @@ COMPARED_HORIZON = 3000.0  # s
 def compare_designs(
     printer: Printer, design: Design, options: DesignOptions, folder: Path, variants: bool, against: Path | None
 ) -> list[dict[str, Any]]:
-    """Measure a design, its variants and the gains of a file from the same starts; each leaves its files in DIR/NAME.
+    """Measure a design, its variants and the gains of a file from the same starts; files go to DIR/NAME.
 
     The variants are designs in mode "fast" under every other condition set, given and designed psi and weights.
     """
@@ -54,7 +54,7 @@ def compare_designs(
 
 
 def variants_of(fleet: Fleet, design: Design, options: DesignOptions) -> list[DesignOptions]:
-    """The choices that `design` did not take."""
+    """The combinations of options that `design` did not use."""
     from ..models.conditions import CONDITION_SETS
 
     sources = ("given", "designed")

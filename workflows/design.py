@@ -1,4 +1,4 @@
-"""`gaincert design`: choose gains, write them, and say what they do."""
+"""`gaincert design`: choose gains, write them, and print what they achieve."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions, pool: P
 
 
 def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, Any]:
-    """design.json, gains.csv and the copy of the fleet; the content of the first."""
+    """Write design.json, gains.csv and the copy of the fleet; returns the content of design.json."""
     from ..models.files.text import write_json
     from ..reports.deployment import write_fleet_copy
     from ..reports.tables.gain_table import for_terminal, rows, write_csv
@@ -98,7 +98,7 @@ def gains_of(design: Design) -> GainsFile:
 
 
 def sentences(design: Design) -> list[str]:
-    """A design in some lines for a reader."""
+    """A design in a few sentences."""
     times, psi = sorted(design.settling), design.excitation
     worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
     lines = [

@@ -1,4 +1,4 @@
-"""What a verb is given: files and options as typed values."""
+"""The inputs of a verb: files and options as typed values."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def read_gains(path: Path, fleet: Fleet) -> GainsFile:
 
 
 def conditions_of(requested: str | None, gains: GainsFile) -> str:
-    """The condition set to certify gains under: the one asked for, else the one that they were designed for."""
+    """The condition set to certify gains under: the requested one, else the one that the gains were designed for."""
     return str(requested or gains.conditions or "paper")
 
 
@@ -48,7 +48,7 @@ def check_folder(folder: Path) -> None:
 
 
 def digests_of(fleet: Fleet, gains: GainsFile) -> Digests:
-    """The digests of what is simulated, validated or certified."""
+    """The digests of the fleet and gains that are simulated, validated or certified."""
     from ..models.digests import Digests
 
     return Digests.of(fleet, fleet.with_links(gains.links), gains.excitation, gains.gains)
@@ -96,7 +96,7 @@ class Starts:
     """Initial states, and where they come from."""
 
     states: Sequence[State]
-    origin: dict[str, Any]  # as validation.json has it
+    origin: dict[str, Any]  # for validation.json
 
     @classmethod
     def of(cls, fleet: Fleet, options: StartOptions) -> Starts:
@@ -115,7 +115,7 @@ class Starts:
 
 @dataclass(frozen=True)
 class DisturbanceOptions:
-    """What the command line says of real robots; None if it says nothing."""
+    """The disturbance options of the command line; None if not given."""
 
     sample_time: float | None = None  # s
     delay: float | None = None  # s
@@ -125,7 +125,7 @@ class DisturbanceOptions:
     lost_link: tuple[str, str, float] | None = None  # vehicle, vehicle, s
 
     def of(self, fleet: Fleet, seed: int) -> Disturbance | None:
-        """The fleet's [disturbance] with these options in its place; None if neither is given. Raises InputError."""
+        """The fleet's [disturbance], its entries replaced by these options; None without either. Raises InputError."""
         from dataclasses import replace
 
         from ..verify.simulation.disturbance import checked, of_table

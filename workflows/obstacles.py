@@ -1,4 +1,4 @@
-"""What a controller asks of the robots, and why they cannot do it: the last lines of a verb, with the remedy."""
+"""Obstacles: reasons why the robots cannot do what the controller asks, with remedies; a verb prints them last."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def obstacles_of(printer: Printer, fleet: Fleet, gains: GainsFile, tolerance: Tolerance) -> list[Obstacle]:
-    """Say what the controller can ask of every robot; what makes that useless."""
+    """Print the largest demands on every robot. Returns the obstacles."""
     from ..reports.obstacles import of_fleet, of_gains
     from ..reports.tables.demands_table import demand_rows, for_terminal
 
@@ -25,5 +25,5 @@ def obstacles_of(printer: Printer, fleet: Fleet, gains: GainsFile, tolerance: To
 
 
 def say_obstacles(printer: Printer, obstacles: Sequence[Obstacle]) -> None:
-    """One line for each."""
+    """Print one line for each obstacle."""
     printer.say(*(f"NOT USABLE: {obstacle}" for obstacle in obstacles))

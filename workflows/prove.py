@@ -39,7 +39,7 @@ def prove_claims(printer: Printer, fleet: Fleet | None, folder: Path | None, *, 
 
 
 def sentence(claims: Sequence[Claim]) -> str:
-    """The verdict, and whose statements are false."""
+    """The verdict, and the number of false statements."""
     counts = Counter(claim.status.name for claim in claims)
     paper = Counter(claim.status.name for claim in claims if claim.kind.name == "PAPER")
     proved = "proved" if theorem_holds(claims) else "NOT proved"

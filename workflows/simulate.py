@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from ..verify.simulation.summary import Summary
     from ..verify.simulation.trajectory import Trajectory
 
-CHAOTIC = 0.5  # m between two accurate integrations of one start: beyond, rounding decides part of the run
+CHAOTIC = 0.5  # m between two accurate integrations of one start: above it part of the run depends on rounding
 
 
 @dataclass(frozen=True)
 class Simulation:
-    """What `simulate` is to do."""
+    """The options of `simulate`."""
 
     schemes: tuple[str, ...]  # "bounded", "unbounded"; the first is summarised
     horizon: float | None  # s, None: until settled and a while longer
@@ -33,9 +33,9 @@ class Simulation:
 
 @dataclass(frozen=True)
 class Simulated:
-    """What `simulate` came to."""
+    """The results of `simulate`."""
 
-    summary: Summary  # of the first scheme; of its disturbed run where there is a disturbance
+    summary: Summary  # of the first scheme; of its disturbed run if there is a disturbance
     document: dict[str, Any]  # the content of summary.json
 
     @property
@@ -50,7 +50,7 @@ class Simulated:
 def simulate_schemes(
     printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation, folder: Path
 ) -> Simulated:
-    """Simulate the schemes, write all files and say what happened."""
+    """Simulate the schemes, write all files and print the results."""
     from ..verify.simulation.simulate import summarize
 
     scheme, disturbance = simulation.schemes[0], simulation.disturbance
@@ -148,7 +148,7 @@ def motion(summary: Summary) -> str:
 
 
 def hints(summary: Summary) -> list[str]:
-    """What a reader has to know of a chaotic run, and of one that was too short."""
+    """Notes on a chaotic run, and on a run that was too short."""
     from ..verify.simulation.settling import Approach
 
     error, found = summary.integration_error, []

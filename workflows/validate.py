@@ -26,14 +26,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Validation:
-    """What `validate` is to do."""
+    """The options of `validate`."""
 
     spec: ValidationSpec
     digests: Digests
     states: Sequence[State]
     seed: int | None  # of random starts, None for those of a file
     disturbance: Disturbance | None = None
-    largest_sample_time: bool = False  # whether to look for it
+    largest_sample_time: bool = False  # whether to search for it
     pool: Pool = ALL_CORES
 
 
@@ -42,7 +42,7 @@ HORIZONS = (300.0, 20_000.0)  # s, shortest and longest
 
 
 def default_horizon(fleet: Fleet, gains: GainsFile, tolerance: Tolerance) -> float:
-    """How long a start has to be simulated to see it settle, s, from the tail that the averaged flow predicts.
+    """The time to simulate so that a start can settle, s, from the tail that the averaged flow predicts.
 
     Rounded up to two digits, so that it is the same on every processor.
     """
@@ -64,7 +64,7 @@ def default_horizon(fleet: Fleet, gains: GainsFile, tolerance: Tolerance) -> flo
 def spec_of(
     fleet: Fleet, gains: GainsFile, starts: Starts, horizon: float, tolerance: Tolerance, engine: str = "auto"
 ) -> ValidationSpec:
-    """All that the result of a start depends on, but the start."""
+    """All that a result depends on, except the start."""
     from ..reports.versions import versions
     from ..verify.simulation.closed_loop import ClosedLoop
     from ..verify.validation.validate import make_spec
@@ -77,7 +77,7 @@ def spec_of(
 
 
 def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, folder: Path) -> dict[str, Any]:
-    """Run all starts and write validation.json; its content."""
+    """Run all starts and write validation.json; returns its content."""
     from ..models.files.text import write_json
     from ..reports.versions import versions
     from ..verify.validation.robustness import robustness
@@ -105,7 +105,7 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
 
 
 def _hint(results: Sequence[StartResult]) -> list[str]:
-    """What to do where the horizon was too short."""
+    """The remedy if the horizon was too short."""
     from ..verify.simulation.settling import Approach
 
     closing = sum(str(Approach.CLOSING_IN) in (result.failure or "") for result in results)
@@ -113,14 +113,14 @@ def _hint(results: Sequence[StartResult]) -> list[str]:
 
 
 def validation_exit_code(document: dict[str, Any]) -> int:
-    """1 where a promise or a torque limit is broken, 4 where the integrator gave up on a start, else 0."""
+    """1 if a promise or a torque limit is broken, 4 if the integrator gave up on a start, else 0."""
     if document["violations"] or any(entry["peak_torque_ratio"] > 1 for entry in document.get("disturbed", [])):
         return 1
     return 4 if any(failure.get("gave_up") for failure in document["failures"]) else 0
 
 
 def replay_start(printer: Printer, validation: Validation, number: int, folder: Path) -> dict[str, Any]:
-    """One start again, in this process; compared with the stored result where there is one."""
+    """Run one start again, in this process; compare it with the stored result, if there is one."""
     from ..models.errors import InputError
     from ..verify.validation.validate import replay
 

@@ -1,4 +1,4 @@
-"""The averaged program: structured scalars that settle the fleet soonest near the goal, by CasADi and IPOPT.
+"""The averaged program: structured scalars that settle the fleet fastest near the goal, by CasADi and IPOPT.
 
 In the modes U of D^-1 L_l (U^T D U = 1) the responses of docs/theory.md 7.2 to a tone w of amplitude A are explicit in
 the six scalars. For y = U eta, with lambda the eigenvalues,
@@ -36,11 +36,11 @@ Floats = NDArray[np.float64]
 Optimum = tuple[Scalars, float]  # with its predicted settling time, s
 LOG = logging.getLogger(__name__)
 
-LARGE = 200  # vehicles; beyond, one local optimum has to do
-TILT = 0.5  # how far the directions lean from the slowest mode towards each of the others
-TIME_CONSTANTS = (2.0, 5.0, 15.0)  # e-foldings that the exponential channels are given, one program each
-SLACK = 1e-3  # of a logarithm, by which an optimum may lie outside its bounds
-LARGEST = 50.0  # logarithm of a time in s that can be meant
+LARGE = 200  # vehicles; above this size one local optimum is enough
+TILT = 0.5  # how far the slowest mode is tilted towards each of the others
+TIME_CONSTANTS = (2.0, 5.0, 15.0)  # time constants allowed for the exponential channels, one program each
+SLACK = 1e-3  # an optimum may exceed its bounds by this much, in logarithms
+LARGEST = 50.0  # logarithm of the longest predicted time, in s
 STARTS = (
     Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 0.7),
     Scalars(0.05, 0.3, 1.0, 0.05, 0.3, 1.0),
@@ -72,7 +72,7 @@ def _time_constants(task: Task) -> tuple[float, ...]:
 
 
 def _solve(program: tuple[Task, float, float]) -> tuple[list[Optimum], str]:
-    """IPOPT's optima from the starts, in a large fleet one alone, and the error that ended it, if there was one."""
+    """IPOPT's optima from the starts (only one in a large fleet), and the last error, if any."""
     task, distance, constants = program
     optima: list[Optimum] = []
     try:
@@ -129,14 +129,14 @@ class AveragedProgram:
     def solve(self, start: Scalars) -> Optimum | None:
         """(scalars, predicted settling time in s) of a local optimum, None if IPOPT does not report one.
 
-        An answer outside the bounds is none, whatever IPOPT calls it. Raises RuntimeError if IPOPT breaks down or
+        An answer outside the bounds does not count, whatever IPOPT reports. Raises RuntimeError if IPOPT breaks down or
         its time runs out.
         """
         x0 = np.clip([*start.logarithms(), -3.0, -3.0, -3.0, -3.0], self._lower, self._upper)
         solution = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=math.inf)
         optimal = ipopt_finds_optimum(self._solver.stats(), self._seconds)
         point, value = np.asarray(solution["x"]).ravel(), float(solution["f"])
-        inside = np.all((self._lower - SLACK <= point) & (point <= self._upper + SLACK))  # NaN is not
+        inside = np.all((self._lower - SLACK <= point) & (point <= self._upper + SLACK))  # False for NaN
         if not optimal or not inside or not abs(value) < LARGEST:
             return None
         return Scalars.from_logarithms(point[:6]), math.exp(value)
@@ -196,14 +196,14 @@ class _Flow:
 
 
 def _directions(count: int) -> list[Any]:
-    """Every mode, and the slowest leaning towards each other one on either side; in modes."""
+    """Every mode, and the slowest one tilted towards each of the others, both ways; in coordinates of the modes."""
     slowest, *others = np.eye(count)
     leaning = [slowest + sign * TILT * other for other in others for sign in (1, -1)]
     return [ca.DM(direction) for direction in (slowest, *others, *leaning)]
 
 
 def _approach(scalars: Scalars, distance: float) -> Any:
-    """About the time from `distance` under saturated errors, s: swings with friction e, or the terminal speed."""
+    """Estimated time from `distance` with saturated errors, s: damped swings plus travel at the terminal speed."""
     swings = 2 * ca.sqrt(2 * distance * scalars.mu_v) * (1 + 1 / scalars.e)
     return swings + distance * scalars.e
 

@@ -1,4 +1,4 @@
-"""Designs psi: zero mean, and as much of its first tone as a unit bound admits."""
+"""Designs psi: zero mean, and the largest first tone within |psi| <= 1."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ from ..settings import FAST
 from .solvers import clarabel_finds_optimum
 
 TONES = 3  # odd harmonics 1, 3, 5
-GRID = 400  # points of a quarter period at which the bound is asked for
+GRID = 400  # points of a quarter period at which the bound is imposed
 PLACES = 4  # decimal places of an amplitude
-BEYOND = 0.001  # by which |psi| may pass 1 between the points of the grid, and by rounding
+BEYOND = 0.001  # |psi| may exceed 1 by this much, between grid points and by rounding
 
 
 def flat_tones(seconds: float = FAST.clarabel_seconds, count: int = TONES) -> Excitation:
     """sum_k s_k sin((2k-1) t), k = 1..count, with the largest s_1 for which |psi| <= 1.
 
-    The mean and the even harmonics cost psi_bar and move nothing (docs/theory.md 7.2), and kappa grows with the square
+    The mean and the even harmonics raise psi_bar but move nothing (docs/theory.md 7.2), and kappa grows with the square
     of the amplitude at the frequency of the first tone. A linear program over a grid; sines of odd multiples are
-    symmetric, so that a quarter period is enough. Raises UndecidedError if Clarabel does not find it in `seconds`.
+    symmetric, so a quarter period is enough. Raises UndecidedError if Clarabel does not find it in `seconds`.
     """
     import cvxpy as cp
 
@@ -32,7 +32,7 @@ def flat_tones(seconds: float = FAST.clarabel_seconds, count: int = TONES) -> Ex
     problem = cp.Problem(cp.Maximize(amplitude[0]), [tones @ amplitude <= 1, tones @ amplitude >= -1])
     if not clarabel_finds_optimum(problem, seconds):
         raise UndecidedError(f"the program for psi's tones ended as {problem.status!r}; give psi in the fleet file")
-    # sin t alone is within the bound, so that s_1 is at least 1, whatever Clarabel calls optimal.
+    # sin t alone meets the bound, so s_1 must be at least 1, whatever Clarabel reports.
     if amplitude.value[0] < 1 - BEYOND or np.abs(tones @ amplitude.value).max() > 1 + BEYOND:
         raise UndecidedError(
             "the program for psi's tones returned other tones than were asked for; give psi in the fleet file"

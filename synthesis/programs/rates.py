@@ -1,4 +1,4 @@
-"""The fastest exponential rates by linear matrix inequalities (cvxpy, Clarabel), and the candidates that they give."""
+"""The fastest exponential rates by linear matrix inequalities (cvxpy, Clarabel), and the candidates from them."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ from .solvers import clarabel_finds_optimum
 Floats = NDArray[np.float64]
 
 LOG = logging.getLogger(__name__)
-DENSE_VEHICLES = 60  # beyond, the matrix inequalities take too long for a candidate
+DENSE_VEHICLES = 60  # above this size the matrix inequalities take too long for a candidate
 TRANSLATION_SHARES = (0.3, 0.6)  # of the torque limit
-EXCITATION = 1.0  # sqrt2 k psi_bar / p_omega that the heading channel is given room for
-BISECTIONS = 14  # of ln gamma: 27.6 wide at first, 0.2 % of gamma at last
+EXCITATION = 1.0  # sqrt2 k psi_bar / p_omega that the heading channel leaves room for
+BISECTIONS = 14  # of ln gamma: the interval shrinks from 27.6 to 0.2 % of gamma
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A second-order channel M s'' + C s' + L_l s = 0 and what is left to it of the torque."""
+    """A second-order channel M s'' + C s' + L_l s = 0 and its share of the torque."""
 
     inertia: Floats  # (N,), kg or kg m^2
     degree: Floats  # (N,)
@@ -59,8 +59,8 @@ def fastest(
     """(gamma, p, d) of the largest certified rate within the torque, by bisection on a linear matrix inequality.
 
     The variables 1/p and d/p make C - 2 gamma M >= 0, L_l - gamma C + gamma^2 M >= 0 and the torque linear for a fixed
-    gamma. `ratio` asks for d >= ratio p D besides, as (15) and (15') do for a given excitation. `seconds` limits each
-    solve. None if Clarabel finds no gains that it calls optimal. Raises UndecidedError if it breaks down.
+    gamma. `ratio` also requires d >= ratio p D, as (15) and (15') do for a given excitation. `seconds` limits each
+    solve. None if Clarabel reports no optimal gains. Raises UndecidedError if it breaks down.
     """
     low, high, best = 1e-6, 1e6, None
     for _ in range(BISECTIONS):
@@ -73,7 +73,7 @@ def fastest(
 def _feasible(
     channel: Channel, laplacian: Floats, ratio: float, gamma: float, seconds: float
 ) -> tuple[Floats, Floats] | None:
-    """Gains (p, d) with rate gamma, None if there are none. The solver's status only chooses; certificates check."""
+    """Gains (p, d) with rate gamma, None without any. The solver's status only selects; the certificate checks."""
     import cvxpy as cp
 
     count = len(channel.inertia)
@@ -123,5 +123,5 @@ def _designs(task: Task, share: float) -> list[tuple[Gains, float]]:
         return []
     (gamma_v, p_v, d_v), (_, p_omega, d_omega) = along, heading
     gains = nearest(task.conditions, task.data, Gains(p_v, d_v, p_omega, d_omega, k_ratio * p_omega), seconds)
-    # psi moves the vehicles best where the along-track channel still answers: about its own rate.
+    # psi moves the vehicles best near the rate of the along-track channel, which still responds there.
     return [] if gains is None else [(gains, float(np.clip(gamma_v, *task.tempo_range)))]

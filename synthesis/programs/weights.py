@@ -15,17 +15,17 @@ from ..settings import FAST
 from .solvers import clarabel_finds_optimum
 
 SPREAD = 10.0  # a weight may be divided or multiplied by this
-LARGEST = 1.01 * SPREAD  # beyond, a weight is not what was asked for, whatever Clarabel calls it
+LARGEST = 1.01 * SPREAD  # a weight beyond it is wrong, whatever Clarabel reports
 BISECTIONS = 12
 DIGITS = 3  # significant digits of a weight
-DENSE_VEHICLES = 150  # beyond, the semidefinite program takes too long
+DENSE_VEHICLES = 150  # above this size the semidefinite program takes too long
 
 
 def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Links:
     """The links with weights, each within SPREAD of the given one, that maximise lambda_min(D^-1/2 L_l D^-1/2).
 
     The slowest mode sets the tail and the exponential rates (docs/theory.md 7); scaling all weights together changes
-    nothing once the gains are designed for them. For a fixed lambda, L_l - lambda D >= 0 is linear in the weights: a
+    nothing if the gains are designed for them. For a fixed lambda, L_l - lambda D >= 0 is linear in the weights: a
     bisection on semidefinite programs of at most `seconds` each. Raises UndecidedError if the fleet is too large or
     Clarabel finds nothing.
     """
@@ -45,7 +45,7 @@ def design_weights(fleet: Fleet, seconds: float = FAST.clarabel_seconds) -> Link
 
 
 def _weights(fleet: Fleet, slowest: float, seconds: float) -> tuple[Any, Any] | None:
-    """(edge weights, leader weights) with lambda_min >= slowest, None if there are none."""
+    """(edge weights, leader weights) with lambda_min >= slowest, None if not possible."""
     import cvxpy as cp
 
     graph = fleet.graph.map(lambda column: np.asarray(column, dtype=float))

@@ -119,70 +119,74 @@ def stacked(values: Sequence[Sequence[Any]]) -> Array:
 @lru_cache(maxsize=16)
 def _loops(excitation: Excitation) -> dict[str, Compiled]:
     """(13)-(14) in loops over the columns, the vehicles and the edges."""
-    symbol, each, item, column = ca.SX.sym, At.EACH, At.ITEM, At.COLUMN
-    ops = single_ops()
-    weight, leader_weight, turns, psi = (symbol(name) for name in ("weight", "leader_weight", "turns", "psi"))
+    return compiled({"excitation": _excitation_loop(excitation), "edges": _edge_loop(), **_vehicle_loops()})
+
+
+def _excitation_loop(excitation: Excitation) -> LoopNest:
+    """psi of every column, from the share of its period that has passed."""
+    turns = ca.SX.sym("turns")
+    value = excitation.value(single_ops(), 2 * math.pi * turns)
+    return LoopNest(ca.Function("f", [turns], [value]), [("turns", At.COLUMN)], [("psi", At.COLUMN)])
+
+
+def _edge_loop() -> LoopNest:
+    """The pull of every edge in (8) and (10), added to the sum at its tail and subtracted from that at its head."""
+    weight, scales = ca.SX.sym("weight"), ca.SX.sym("network_scales", 2)
+    ends = z_tail, z_head, at_tail, at_head = [
+        ca.SX.sym(name, COORDINATES) for name in ("z_tail", "z_head", "sums_tail", "sums_head")
+    ]
+    pairs = zip(coordinate_scales(Saturation(*ca.vertsplit(scales))), (z_tail - z_head).elements(), strict=True)
+    force = ca.vertcat(*(pull(single_ops(), weight, *pair) for pair in pairs))
+    return LoopNest(
+        ca.Function("f", [*ends, weight, scales], [at_tail + force, at_head - force]),
+        [
+            ("z", At.TAIL),
+            ("z", At.HEAD),
+            ("sums", At.TAIL),
+            ("sums", At.HEAD),
+            ("weight", At.ITEM),
+            ("network_scales", At.COLUMN),
+        ],
+        [("sums", At.TAIL), ("sums", At.HEAD)],
+    )
+
+
+def _vehicle_loops() -> dict[str, LoopNest]:
+    """The formation coordinates of every vehicle, and its rates once the pulls of its edges are summed up."""
+    symbol, ops = ca.SX.sym, single_ops()
+    leader_weight, psi, sums = symbol("leader_weight"), symbol("psi"), symbol("sums", COORDINATES)
     numbers, gains, rows = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
     nobody = np.zeros(0, dtype=np.int64)
-    plant = Plant(Graph(nobody, nobody, weight, leader_weight), *ca.vertsplit(numbers))
+    plant = Plant(Graph(nobody, nobody, symbol("no_edge"), leader_weight), *ca.vertsplit(numbers))
     vehicle_scales, network_scales = symbol("vehicle_scales", 2), symbol("network_scales", 2)
     saturation = Saturation(*ca.vertsplit(network_scales), *ca.vertsplit(vehicle_scales))
-    state, scales = State(*ca.vertsplit(rows)), coordinate_scales(saturation)
-    sums, z_tail, z_head = (symbol(name, COORDINATES) for name in ("sums", "z_tail", "z_head"))
-    at_tail, at_head = symbol("sums_tail", COORDINATES), symbol("sums_head", COORDINATES)
     columns = dict(zip(GAIN_NAMES, ca.vertsplit(gains), strict=True))
+    state = State(*ca.vertsplit(rows))
     coordinates = formation_coordinates(plant, state)
     distances = [z - leader for z, leader in zip(coordinates, leader_coordinates(plant), strict=True)]
-    to_leader = [pull(ops, leader_weight, *pair) for pair in zip(scales, distances, strict=True)]
-    errors = Errors(*(ca.vertcat(*to_leader) + sums).elements())
+    pairs = zip(coordinate_scales(saturation), distances, strict=True)
+    to_leader = ca.vertcat(*(pull(ops, leader_weight, *pair) for pair in pairs))
+    errors = Errors(*(to_leader + sums).elements())
     rates = closed_loop(ops, plant, Gains(**columns, saturation=saturation), psi, state, errors)
-    between = (z_tail - z_head).elements()
-    force = ca.vertcat(*(pull(ops, weight, *pair) for pair in zip(scales, between, strict=True)))
-    return compiled(
-        {
-            "excitation": LoopNest(
-                ca.Function("f", [turns], [excitation.value(ops, 2 * math.pi * turns)]),
-                [("turns", column)],
-                [("psi", column)],
-            ),
-            "coordinates": LoopNest(
-                ca.Function("f", [rows, numbers], [ca.vertcat(*coordinates)]),
-                [("state", each), ("plant", item)],
-                [("z", each)],
-            ),
-            "edges": LoopNest(
-                ca.Function(
-                    "f",
-                    [z_tail, z_head, weight, network_scales, at_tail, at_head],
-                    [at_tail + force, at_head - force],
-                ),
-                [
-                    ("z", At.TAIL),
-                    ("z", At.HEAD),
-                    ("weight", item),
-                    ("network_scales", column),
-                    ("sums", At.TAIL),
-                    ("sums", At.HEAD),
-                ],
-                [("sums", At.TAIL), ("sums", At.HEAD)],
-            ),
-            "vehicles": LoopNest(
-                ca.Function(
-                    "f",
-                    [rows, numbers, leader_weight, gains, vehicle_scales, network_scales, psi, sums],
-                    [ca.vertcat(*rates)],
-                ),
-                [
-                    ("state", each),
-                    ("plant", item),
-                    ("leader_weight", item),
-                    ("gains", each),
-                    ("vehicle_scales", each),
-                    ("network_scales", column),
-                    ("psi", column),
-                    ("sums", each),
-                ],
-                [("rates", each)],
-            ),
-        }
-    )
+    arguments = {
+        "state": (rows, At.EACH),
+        "plant": (numbers, At.ITEM),
+        "leader_weight": (leader_weight, At.ITEM),
+        "gains": (gains, At.EACH),
+        "vehicle_scales": (vehicle_scales, At.EACH),
+        "network_scales": (network_scales, At.COLUMN),
+        "psi": (psi, At.COLUMN),
+        "sums": (sums, At.EACH),
+    }
+    return {
+        "coordinates": LoopNest(
+            ca.Function("f", [rows, numbers], [ca.vertcat(*coordinates)]),
+            [("state", At.EACH), ("plant", At.ITEM)],
+            [("z", At.EACH)],
+        ),
+        "vehicles": LoopNest(
+            ca.Function("f", [symbols for symbols, _ in arguments.values()], [ca.vertcat(*rates)]),
+            [(name, at) for name, (_, at) in arguments.items()],
+            [("rates", At.EACH)],
+        ),
+    }

@@ -103,7 +103,7 @@ def compiled(loops: Mapping[str, LoopNest], real: Any = Single) -> dict[str, Com
 
 
 def single_ops() -> Ops:
-    """`casadi_ops` with sin, cos and tanh made of sums, products and quotients, within 1e-5."""
+    """`casadi_ops` with sin, cos and tanh replaced by sums, products and quotients, within 1e-5."""
     return replace(casadi_ops(), sin=_sin, cos=_cos, tanh=_tanh)
 
 
@@ -126,9 +126,9 @@ def _cos(s: Array) -> Array:
 
 
 def _half_turn(s: Array) -> tuple[Array, Array]:
-    """s less the nearest multiple of pi, and the sign that sin and cos have for it."""
+    """s minus the nearest multiple of pi, and the sign that sin and cos get from it."""
     turns = ca.floor(s / math.pi + 0.5)
-    pi = float(Single(math.pi))  # what a single lacks of pi goes off afterwards
+    pi = float(Single(math.pi))  # the rest of pi is subtracted afterwards
     rest = (s - turns * pi) - turns * (math.pi - pi)
     return rest, 1 - 4 * (turns / 2 - ca.floor(turns / 2))
 
@@ -200,7 +200,7 @@ def _count(builder: ir.IRBuilder, count: ir.Value, body: Callable[[ir.Value], No
 def _results(
     builder: ir.IRBuilder, function: ca.Function, real: ir.Type, read: Callable[[int, int], ir.Value]
 ) -> list[tuple[tuple[int, int], ir.Value]]:
-    """The results of a CasADi function, each with its number and place in it, where `read` gives the arguments."""
+    """The results of a CasADi function, each with its output number and its place there; `read` gives the arguments."""
     work: dict[int, ir.Value] = {}
     results = []
     for number in range(function.n_instructions()):
@@ -261,6 +261,6 @@ def _engine(text: str) -> Any:
     options.loop_vectorization = True
     passes = llvm.create_pass_builder(machine, options)
     passes.getModulePassManager().run(module, passes)
-    engine = llvm.create_mcjit_compiler(module, machine)  # which owns both from now on
+    engine = llvm.create_mcjit_compiler(module, machine)  # the engine owns both from now on
     engine.finalize_object()
     return engine

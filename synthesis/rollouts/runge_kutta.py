@@ -1,7 +1,7 @@
 """One Runge-Kutta stepper: initial value problems side by side, each with its own time and step, for any tableau.
 
-The rollouts of a design take many problems in single precision with Bogacki and Shampine's pair, the engine for large
-fleets takes one in double precision with Dormand and Prince's.
+The rollouts of a design solve many problems in single precision with Bogacki and Shampine's pair. The engine for large
+fleets solves one in double precision with Dormand and Prince's.
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Stepper:
         self.t, self.h, self.y = t, h, np.array(y, dtype=real, order="C")
         self.new = self.y.copy()
         self.slopes = np.empty((1 + len(tableau.times), *self.y.shape), real)
-        self.taken = np.ones(len(t), real)  # 1 where the last step was good enough, else 0
+        self.taken = np.ones(len(t), real)  # 1 if the last step was accurate enough, else 0
         self.step_length = np.empty(len(t), real)
         self._tableau, self._longest, self._error = tableau, accuracy.longest, np.zeros(len(t), real)
         self._items = self.y[..., :1].size
@@ -82,39 +82,39 @@ class Stepper:
         self.slopes[0] = self.slopes[-1]
 
     def step(self) -> None:
-        """Try a step of every column, and go on with those that are good enough."""
+        """Try a step of every column, and accept those that are accurate enough."""
         self.attempt()
         self.accept()
 
     def attempt(self) -> None:
-        """Try a step of every column: `new` is where it leads, `taken` says whether it is good enough."""
+        """Try a step of every column: `new` is its end, `taken` whether it is accurate enough."""
         self.step_length[...] = self.h
         for stage, rate, share in zip(self._stages, self._rates, self._tableau.times, strict=True):
             stage()
             rate(self.t + share * self.h)
         self._error[...] = 0
         self._judge()
-        # Where it is not a number the step is far too long.
+        # An error that is not a number means that the step is far too long.
         self._size = np.maximum(np.fmin(np.sqrt(self._error / max(1, self._items)), LARGEST), SMALLEST)
         self.taken[...] = self._size <= 1
 
     def accept(self) -> None:
-        """Go on with the steps that are taken, and with another length of step."""
+        """Accept the steps that were good enough, and adapt all step lengths."""
         self._accept()
         self.t = self.t + self.taken * self.h
         share = SAFETY * self._size ** self._tableau.real(-1 / (self._tableau.order + 1))
         self.h = np.minimum(self.h * np.minimum(np.maximum(share, SHRINK), self._tableau.grow), self._longest)
 
     def inside(self, share: float) -> Array:
-        """The solution (..., B) at a share of the step that was tried last and not yet accepted."""
+        """The solution (..., B) at a share of the last step that was tried, before it is accepted."""
         weights = np.array(self._tableau.dense) @ share ** np.arange(1, 1 + len(self._tableau.dense[0]))
-        # einsum and not dot: a BLAS would start threads, which on a busy machine cost ten times what they bring.
+        # einsum and not dot: a BLAS would start threads, which on a busy machine cost ten times what they save.
         return np.asarray(self.y + self.step_length * np.einsum("k,k...->...", weights, self.slopes))
 
 
 @cache
 def _loops(tableau: Tableau, accuracy: Accuracy) -> dict[str, Compiled]:
-    """What a step does beside finding slopes."""
+    """The loops of a step, except for the slopes."""
     y, new, h, taken, error = (ca.SX.sym(name) for name in ("y", "new", "h", "taken", "error"))
     slopes = ca.SX.sym("slopes", 1 + len(tableau.times))
     each, column = At.EACH, At.COLUMN

@@ -1,7 +1,7 @@
 """Rollouts of the closed loop from many starts under many gains at once, side by side in compiled loops.
 
-Each rollout is a column with its own gains, frequency of psi, time and step. In single precision and to two digits they
-rank candidates; `verify` integrates a design anew.
+Each rollout is a column with its own gains, frequency of psi, time and step. They rank candidates, in
+single precision and to two digits; `verify` integrates the design again.
 """
 
 from __future__ import annotations
@@ -24,32 +24,32 @@ from .closed_loop import ClosedLoop, Controls, rows, stacked
 from .compiler import At, Compiled, LoopNest, Single, compiled, pointer
 from .runge_kutta import BOGACKI_SHAMPINE, Array, Stepper
 
-POSE = 3  # the rows of a state that say where a vehicle is
+POSE = 3  # rows of a state that hold the pose of a vehicle
 
 
 class Trial(NamedTuple):
-    """Gains (floats, (N,)) and the excitation they go with; trials of one batch differ in psi's frequency alone."""
+    """Gains (floats, (N,)) and their psi. In one batch, psi may differ in its frequency only."""
 
     gains: Gains
     excitation: Excitation
 
 
 class Limits(NamedTuple):
-    """How far rollouts go."""
+    """The limits of rollouts."""
 
     horizon: float  # s
-    abandon_above: float = math.inf  # s: a trial whose mean settling time is known to lie above is not finished
-    steps: int = FAST.most_steps  # of integration, of one rollout
+    abandon_above: float = math.inf  # s: a trial is stopped once its mean settling time must exceed this
+    steps: int = FAST.most_steps  # most integration steps of one rollout
 
 
 class Settling(NamedTuple):
     """The outcome of one rollout."""
 
-    time: float  # s, from which all vehicles stay within the tolerance; inf if not by the horizon
+    time: float  # s, from which all vehicles stay within the tolerance; inf if not settled by the horizon
     excess: float  # the largest error over its tolerance at the end
     end: float  # s, when the rollout ended
     final: State  # then, (N,) each
-    steps: int  # of integration that it took
+    steps: int  # integration steps
 
 
 def settle_all(
@@ -62,8 +62,8 @@ def settle_all(
 ) -> list[list[Settling | None]]:
     """How the fleet settles under every trial from every start, within the limits.
 
-    None stands where the integrator gave up, and for what still ran of a trial when it was abandoned. A rollout does
-    not depend on those beside it.
+    An entry is None if the integrator gave up, or if the rollout was still running when its trial was abandoned. A
+    rollout does not depend on those beside it.
     """
     batch = _Batch(plant, trials, starts, limits, tolerance, settings)
     deadline = Deadline(settings.rollout_seconds)
@@ -75,7 +75,7 @@ def settle_all(
 
 
 class _Batch:
-    """The columns at work, those that wait, and the outcomes so far."""
+    """The running columns, the waiting ones, and the outcomes so far."""
 
     def __init__(
         self,
@@ -88,7 +88,7 @@ class _Batch:
     ) -> None:
         self.settled: dict[tuple[int, int], Settling] = {}  # by trial and start
         self._limits, self._settings = limits, settings
-        self._abandon_above = limits.abandon_above * len(starts)  # s, of the sum over the starts
+        self._abandon_above = limits.abandon_above * len(starts)  # s, for the sum over the starts
         self._width = max(1, settings.simulated_vehicles // plant.graph.vehicles)
         self._closed_loop = ClosedLoop(plant, trials[0].excitation)
         frequencies = [float(trial.excitation.frequency) for trial in trials]
@@ -98,7 +98,7 @@ class _Batch:
         reference = plant.offset_x + plant.leader_x, plant.offset_y + plant.leader_y
         self._goal = rows([*reference, plant.leader_theta], plant.graph.vehicles)
         self._within = rows([tolerance.position, tolerance.position, tolerance.heading], plant.graph.vehicles)
-        # Start after start, so that a trial can be abandoned before all of its starts are run.
+        # Start after start, so a trial can be abandoned before all of its starts have run.
         self._trial = np.tile(np.arange(len(trials)), len(starts))
         self._start = np.repeat(np.arange(len(starts)), len(trials))
         self._outside = np.zeros(len(self._trial))  # s, when each was last seen outside the tolerance
@@ -108,7 +108,7 @@ class _Batch:
         self._steps = self._excess = self._last = np.zeros(0)
 
     def refill(self) -> bool:
-        """Let columns that wait take the places that are free; whether anything is at work."""
+        """Put waiting columns into free places. Returns whether any column is running."""
         free = self._width - len(self._at)
         if free > self._width // 4 or not len(self._at):
             new, self._waiting = self._waiting[:free], self._waiting[free:]
@@ -117,7 +117,7 @@ class _Batch:
         return bool(len(self._at))
 
     def step(self) -> None:
-        """One step of every column, and a look at where it is and where it was halfway."""
+        """One step of every column; then test its errors at the end and halfway."""
         stepper, t = self._stepper, self._stepper.t
         stepper.attempt()
         self._furthest[...] = 0
@@ -131,7 +131,7 @@ class _Batch:
         self._steps += 1
 
     def look(self) -> None:
-        """Take out what has settled, what has not by the horizon, what gave up, and what is abandoned."""
+        """Remove columns that have settled, reached the horizon, given up or been abandoned."""
         stepper, trial, horizon = self._stepper, self._trial[self._at], self._limits.horizon
         last = self._outside[self._at] = self._last
         settled = stepper.t - last > self._hold[trial]
@@ -151,7 +151,7 @@ class _Batch:
             self._renew(stay, self._waiting[:0])
 
     def _renew(self, stay: Array, new: Array) -> None:
-        """Go on with the columns that stay, and new ones beside them."""
+        """Continue with the remaining columns, and new ones beside them."""
         old, zeros = self._stepper, np.zeros(len(new))
         self._at = np.concatenate([self._at[stay], new])
         t, h = np.concatenate([old.t[stay], zeros]), np.concatenate([old.h[stay], zeros + self._settings.first_step])
@@ -162,7 +162,7 @@ class _Batch:
         self._excess = np.concatenate([self._excess[stay], zeros + math.inf])
 
     def _side_by_side(self, t: Array, y: Array, h: Array) -> Stepper:
-        """(13)-(14) for the columns at work, with t (B,) and y (5, N, B)."""
+        """(13)-(14) for the running columns, with t (B,) and y (5, N, B)."""
         problem = self._closed_loop.problem(self._controls.take(self._trial[self._at]))
         stepper = Stepper(BOGACKI_SHAMPINE, problem, t, y, h, self._settings.accuracy)
         self._furthest = np.empty((2, len(t)), Single)

@@ -41,7 +41,7 @@ def _time_to(plant: Plant, trial: Trial, y: Floats, tolerance: Tolerance) -> flo
 
 
 def _together(tracks: CrossTrack, y: Floats, tolerance: Tolerance) -> Floats:
-    """All columns at once for STEPS, then by the power law of a cubic flow that follows its slowest mode."""
+    """All columns together for STEPS steps, then the power law of a cubic flow along its slowest mode."""
 
     def closeness(y: Floats) -> Floats:
         """(tolerance / error)^2 for the larger of both errors: it grows at a constant rate while y keeps its shape."""
@@ -96,7 +96,7 @@ class _CrossTracks(CrossTrack):
 
 
 class _Inverses:
-    """The inverses of one response, (B, N, N), that of every column."""
+    """The inverses of one response, (B, N, N), one for every column."""
 
     def __init__(self, inverses: Any) -> None:
         self._inverses = np.ascontiguousarray(np.moveaxis(inverses, 0, 2), dtype=np.complex64)
@@ -107,7 +107,7 @@ class _Inverses:
 
 
 def _inverse(matrix: Any) -> Any:
-    """The inverse, not a number where there is none."""
+    """The inverse, NaN for a singular matrix."""
     try:
         return np.linalg.inv(matrix)
     except np.linalg.LinAlgError:

@@ -573,7 +573,7 @@ def test_a_design_and_a_certificate_of_other_gains_are_refused(folder):
 
 def test_a_certificate_that_was_tampered_with_is_refused(folder):
     path = folder / "certificate.json"
-    path.write_text(path.read_text().replace('"840"', '"8400"'))
+    path.write_text(path.read_text().replace('"840 840 ', '"8400 840 '))
     with pytest.raises(InputError, match="certify"):
         export(folder, "c")
 

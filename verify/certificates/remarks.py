@@ -6,8 +6,8 @@ from fractions import Fraction
 
 import numpy as np
 
-from ...models.arrays import Array
-from ...models.conditions import ConditionData, condition_15_prime, exact_numbers, excitation_bound
+from ...models.arrays import Array, floats
+from ...models.conditions import ConditionData, condition_15_prime, exact_numbers, excitation_bound, float_numbers
 from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.graph import Graph
@@ -15,15 +15,16 @@ from ...models.numbers import Interval
 from ...models.vehicle_notes import centre_of_mass_note
 
 CUTS_UP_TO = 14  # vehicles for which all 2^N - 1 cuts are counted
+EXACT_UP_TO = 20_000  # vehicles; for larger fleets floats count how many of them meet (15')
 NAMED = 10  # vehicles that a note lists by name
 
 
-def notes_of(fleet: Fleet, limits: ConditionData, gains: Gains, conditions: str) -> list[str]:
+def notes_of(fleet: Fleet, data: ConditionData, gains: Gains, conditions: str) -> list[str]:
     """The notes, one sentence each."""
     off_axle = centre_of_mass_note(fleet)
     return [
-        *_strict_damping(fleet, limits, gains, conditions),
-        *_cuts(fleet, limits, gains),
+        *_strict_damping(fleet, data, gains, conditions),
+        *_cuts(fleet, data, gains),
         *_robustness(fleet),
         *([off_axle] if off_axle else []),
     ]
@@ -44,10 +45,14 @@ def broken_cuts(graph: Graph, strength: Array) -> tuple[int, int]:
     return broken, total
 
 
-def _strict_damping(fleet: Fleet, limits: ConditionData, gains: Gains, conditions: str) -> list[str]:
+def _strict_damping(fleet: Fleet, data: ConditionData, gains: Gains, conditions: str) -> list[str]:
     if conditions == "rate-bounded":
         return []
-    holds = condition_15_prime(exact_numbers(), limits, gains).holds.astype(bool)
+    exact = len(fleet) <= EXACT_UP_TO
+    numbers, data, gains = (
+        (exact_numbers(), data, gains) if exact else (float_numbers(), data.map(floats), gains.map(floats))
+    )
+    holds = condition_15_prime(numbers, data, gains).holds.astype(bool)
     broken = [fleet.names[i] for i in np.flatnonzero(~holds)]
     if not broken:
         return ["(15') holds for every vehicle: the turn rates are bounded too; certify them under rate-bounded"]
@@ -57,10 +62,10 @@ def _strict_damping(fleet: Fleet, limits: ConditionData, gains: Gains, condition
     ]
 
 
-def _cuts(fleet: Fleet, limits: ConditionData, gains: Gains) -> list[str]:
+def _cuts(fleet: Fleet, data: ConditionData, gains: Gains) -> list[str]:
     if len(fleet) > CUTS_UP_TO:
         return []
-    broken, total = broken_cuts(fleet.graph, excitation_bound(exact_numbers(), limits, gains) / gains.p_omega)
+    broken, total = broken_cuts(fleet.graph, excitation_bound(exact_numbers(), data, gains) / gains.p_omega)
     return [
         f"{broken} of {total} cuts break sum_S c_i / p_omega_i <= a_l(S) + cut(S), which boundedness under every "
         "bounded alpha would need (the theorem does not: it uses the structure of alpha)"
@@ -74,7 +79,7 @@ def _robustness(fleet: Fleet) -> list[str]:
         "half_track": "r and R count in the torque conditions with their worst value; where vehicle and controller "
         "differ in them, the vehicle moves as one of mass m r'/r and inertia I (r'/r)(R/R'), which is tolerated "
         "(both wheels having one radius)",
-        "torque_limit": "torque limits count with their smallest value",
+        "torque_limit": "torque data count with their smallest value",
     }
     found = {
         "mass": any(isinstance(q, Interval) for v in fleet.vehicles for q in (v.mass, v.inertia)),

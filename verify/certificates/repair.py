@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -12,7 +12,8 @@ from ...models.arrays import column
 from ...models.conditions import ConditionData, ConditionSet, Inequality, exact_numbers
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.numbers import decimal_text
-from .witnesses import rounded
+from .margins import CheckedConditions, concerned, subset
+from .rounding import rounded
 
 DIAGNOSED = 20  # vehicles for which a repair is sought
 FAR = 10**6  # a gain is raised or lowered by at most this factor
@@ -64,69 +65,61 @@ class Violation:
         return f"{broken}; {remedy}" if self.sought else broken
 
 
-def violations(
-    names: list[str], conditions: ConditionSet, limits: ConditionData, gains: Gains, found: list[Inequality]
-) -> list[Violation]:
-    """The broken conditions among `found`, in vehicle order, with a repair for each of the first vehicles."""
-    broken = sorted((i, c) for c, sides in enumerate(found) for i in _broken(sides, limits))
+def violations(names: list[str], conditions: ConditionSet, checked: CheckedConditions) -> list[Violation]:
+    """The broken conditions in vehicle order, with a repair for each of the first vehicles."""
+    broken = sorted((i, c) for c, sides in enumerate(checked.exact) for i in _broken(sides, checked.data))
     repairs: dict[int, Repair | None] = {}
     result = []
     for i, c in broken:
         sought = i in repairs or len(repairs) < DIAGNOSED
         if sought and i not in repairs:
-            repairs[i] = smallest_repair(conditions, _one(limits, i), _one(gains, i))
-        sides = found[c]
+            repairs[i] = smallest_repair(conditions, _one(checked.data, i), _one(checked.gains, i))
+        sides, vehicle = checked.exact[c], int(checked.close[i])
         result.append(
             Violation(
-                i,
-                names[i],
-                sides.source,
-                sides.quantity,
-                sides.small[i],
-                sides.large[i],
-                sides.strict,
-                repairs.get(i),
-                sought,
+                index=vehicle,
+                vehicle=names[vehicle],
+                condition=sides.source,
+                quantity=sides.quantity,
+                small=sides.small[i],
+                large=sides.large[i],
+                strict=sides.strict,
+                repair=repairs.get(i),
+                sought=sought,
             )
         )
     return result
 
 
-def asked_for(sides: Inequality, limits: ConditionData) -> list[bool]:
-    """Which vehicles a condition concerns: all, but for limits only those that ask for one."""
-    bounds = {"speed limit": limits.speed, "turn rate limit": limits.turn_rate}.get(sides.source)
-    return [True] * len(limits.degree) if bounds is None else [bound != math.inf for bound in bounds]
+def _broken(sides: Inequality, data: ConditionData) -> list[int]:
+    asked = concerned(sides, data)
+    return [i for i, holds in enumerate(sides.holds) if not holds and asked[i]]
 
 
-def _broken(sides: Inequality, limits: ConditionData) -> list[int]:
-    concerned = asked_for(sides, limits)
-    return [i for i, holds in enumerate(sides.holds) if not holds and concerned[i]]
-
-
-def smallest_repair(conditions: ConditionSet, limits: ConditionData, gains: Gains) -> Repair | None:
+def smallest_repair(conditions: ConditionSet, data: ConditionData, gains: Gains) -> Repair | None:
     """The repair with the smallest relative change, for one vehicle; None where no single gain can do it.
 
     Every condition is monotone in every single gain. So along one direction those that are broken become true at one
     point, if at all, and going further can only break others.
     """
-    start = {sides.source for sides in _failing(conditions, limits, gains)}
+    start = {sides.source for sides in _failing(conditions, data, gains)}
 
     def cures(name: str, value: Fraction) -> bool:
         changed = replace(gains, **{name: column([value])})
-        return not start & {sides.source for sides in _failing(conditions, limits, changed)}
+        return not start & {sides.source for sides in _failing(conditions, data, changed)}
 
     options = []
     for name in GAIN_NAMES:
         old = Fraction(getattr(gains, name)[0])
         for direction in (-1, 1):
             new = _nearest(old, direction, lambda value, name=name: cures(name, value))  # type: ignore[misc]
-            if new is not None and not _failing(conditions, limits, replace(gains, **{name: column([new])})):
+            if new is not None and not _failing(conditions, data, replace(gains, **{name: column([new])})):
                 options.append(Repair(name, old, new))
     return min(options, key=lambda repair: repair.relative, default=None)
 
 
-def _failing(conditions: ConditionSet, limits: ConditionData, gains: Gains) -> list[Inequality]:
-    return [sides for sides in conditions.inequalities(exact_numbers(), limits, gains) if _broken(sides, limits)]
+def _failing(conditions: ConditionSet, data: ConditionData, gains: Gains) -> list[Inequality]:
+    return [sides for sides in conditions.inequalities(exact_numbers(), data, gains) if _broken(sides, data)]
 
 
 def _nearest(old: Fraction, direction: int, cures: Callable[[Fraction], bool]) -> Fraction | None:
@@ -158,6 +151,5 @@ def _first(holds: Callable[[int], bool], far: int) -> int:
 
 
 def _one(columns: Any, i: int) -> Any:
-    """The same dataclass of columns for vehicle i alone."""
-    values = {field.name: getattr(columns, field.name) for field in fields(columns)}
-    return replace(columns, **{name: value[i : i + 1] for name, value in values.items() if hasattr(value, "shape")})
+    """The same dataclass of columns for one vehicle."""
+    return subset(columns, slice(i, i + 1))

@@ -1,1 +1,1 @@
-"""Runs of one fleet: the integrators, disturbances, events between points, invariants."""
+"""Runs of one fleet: integrators, disturbances, events between grid points, invariants."""

@@ -1,4 +1,4 @@
-"""CVODES at the accuracy that a start needs: loose where the motion is not chaotic, the limit of doubles where it is.
+"""CVODES at the accuracy that a start needs: loose for calm motion, at the limit of doubles for chaotic motion.
 
 Far from the goal the closed loop can be chaotic: under fast gains a difference in the initial state of the paper's
 fleet grows by a factor of 1e6 to 1e12 during the transient, and integration errors grow with it. Near the goal the
@@ -18,7 +18,7 @@ from .integrators import Adams, Cvodes, Integrator
 
 TEST_TOLERANCES = (1e-5, 1e-6)  # of the two runs that tell whether a start is chaotic
 NOT_CHAOTIC = 0.05  # m, largest difference of these two runs; the loose integration then errs by less than 1 mm
-TRANSIENT_PIECE = 20.0  # s, between two tests whether the transient is over
+TRANSIENT_PIECE = 20.0  # s between two tests whether the transient is over
 TRANSIENT_TOLERANCE = 1e-15
 COMPARISON_TOLERANCE = 1e-12  # of a second transient run; the difference tells how reliable the first one is
 TAIL = Tolerance(0.1, 0.1)  # the transient ends where all vehicles are this close to the formation
@@ -27,12 +27,12 @@ TAIL = Tolerance(0.1, 0.1)  # the transient ends where all vehicles are this clo
 class ChaosAware(Integrator):
     """Backward differentiation at `tolerance`; chaotic starts use Adams formulas until the transient is over.
 
-    `sensitivity` is the largest distance, m, between two accurate runs of the last start: where it is large, rounding
-    decides the run, and its settling time means nothing.
+    `sensitivity` is the largest distance, m, between two accurate runs of the last start. If it is large, the run
+    depends on rounding, and its settling time means nothing.
     """
 
     def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
-        """Build all integrators; `piece` is that of the tail, and how long the test runs last."""
+        """Build all integrators; `piece` (s) is for the tail, and the length of the test runs."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
         transient = max(step, min(piece, TRANSIENT_PIECE))
         self._tests = [Cvodes(loop, step=step, piece=piece, tolerance=loose) for loose in TEST_TOLERANCES]

@@ -36,7 +36,7 @@ class ClosedLoop:
 
     @classmethod
     def of(cls, fleet: Fleet, gains: Gains, excitation: Excitation, *, bounded: bool = True) -> ClosedLoop:
-        """The closed loop of a fleet. A torque limit that is an interval counts with its smaller value."""
+        """The closed loop of a fleet. Of a torque limit given as an interval, the smaller value is used."""
         left = floats([low(vehicle.torque_limit.left) for vehicle in fleet.vehicles])
         right = floats([low(vehicle.torque_limit.right) for vehicle in fleet.vehicles])
         data = fleet.condition_data(excitation).map(floats)
@@ -78,7 +78,7 @@ class ClosedLoop:
         return np.asarray(energy.rotational(self.ops, self.plant, self.gains, state))
 
     def certified_speeds(self, start: State) -> tuple[Floats, Floats]:
-        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) for all runs from a start, (N,); inf if none holds."""
+        """Lemma L18: bounds of |v| (m/s) and |omega| (rad/s) for all runs from a start, (N,); inf without a bound."""
         numbers, gains, scale = float_numbers(), self.gains, self.gains.saturation
         if not self.bounded:
             return np.full(self.vehicles, np.inf), np.full(self.vehicles, np.inf)

@@ -13,8 +13,8 @@ from ...models.equations import State, closed_loop
 from ...models.errors import UndecidedError, last_line
 from .closed_loop import ClosedLoop, Floats
 
-MAX_STEPS = 200_000  # of CVODES between two outputs
-SX_VEHICLES = 200  # up to here a scalar expression graph is the faster right-hand side
+MAX_STEPS = 200_000  # CVODES steps between two outputs
+SX_VEHICLES = 200  # up to this size a scalar expression graph is the faster right-hand side
 
 
 class CasadiIntegrator:
@@ -70,5 +70,5 @@ class CasadiIntegrator:
 
 
 def shared(expression: Any) -> Any:
-    """The expression with its common parts computed once; large ones are left as they are."""
+    """The expression with common parts computed once; large expressions are returned unchanged."""
     return ca.cse(expression) if isinstance(expression, ca.SX) else expression

@@ -1,4 +1,4 @@
-"""What a real robot adds to (1)-(14): sampling, delay, noise, wrong parameters, friction, a link that fails."""
+"""Disturbances of real robots, beyond (1)-(14): sampling, delay, noise, wrong parameters, friction, a lost link."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ...models.fleet import Fleet
 from ...models.fleet_tables import DisturbanceTable
 
 RANGES = {"sample_time": (1e-4, 10.0), "delay": (0.0, 100.0), "mismatch": (0.0, 0.9)}
-LARGEST = 1e6  # of the entries that RANGES leaves out
+LARGEST = 1e6  # upper limit of the entries that are not in RANGES
 
 
 @dataclass(frozen=True)
 class Disturbance:
-    """How reality differs from (1)-(14). Where all but the sample time is zero, the controller is only sampled."""
+    """How reality differs from (1)-(14). If all but the sample time is zero, the controller is only sampled."""
 
     sample_time: float = 0.01  # s, between two computations of the torques
     delay: float = 0.0  # s, from measuring to the wheels; rounded to whole samples
@@ -35,7 +35,7 @@ class Disturbance:
         return {name: value for name, value in vars(self).items() if value}
 
     def in_words(self) -> str:
-        """The same for a reader."""
+        """The entries in words."""
         widths = ((self.noise_position, "m"), (self.noise_heading, "rad"), (self.noise_speed, "m/s and rad/s"))
         friction = ((self.coulomb, "N m"), (self.viscous, "N m s"))
         said = [f"torques held for {1000 * self.sample_time:g} ms"]
@@ -94,7 +94,7 @@ def _lost_link_mistakes(lost: tuple[str, str], fleet: Fleet) -> list[str]:
 
 
 def parts(disturbance: Disturbance) -> list[Disturbance]:
-    """Sampling alone, each kind of disturbance that is present with it, and all together where there are several."""
+    """Sampling alone, each kind of disturbance that is present with it, and all together if there are several."""
     alone = Disturbance(disturbance.sample_time, seed=disturbance.seed)
     groups = (
         ("delay",),

@@ -1,4 +1,13 @@
-"""The integrators by name, with the tolerance each is used at, and the choice for a number of vehicles."""
+"""The integrators by name, each with its tolerance, and the choice by the number of vehicles.
+
+| job                  | option               | below LARGE vehicles            | from LARGE vehicles          |
+|----------------------|----------------------|---------------------------------|------------------------------|
+| `simulate` and `run` | `--engine auto`      | `cvodes`: Adams, 1e-15          | `scale`: Dopri5, 1e-9        |
+| `validate`           | `--integrator auto`  | `chaos-aware`: CVODES, 1e-8     | `scale`: Dopri5, 1e-9        |
+
+Any other name chooses its method for every fleet. `validate --integrator dop853` (SciPy's method, at 2.5e-14) is the
+independent check. Runs with a disturbance use `sampled_loop.py`.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +23,7 @@ ENGINES: dict[str, tuple[type[Integrator], float]] = {  # name: class, tolerance
     "dop853": (Dop853, 2.5e-14),
     "scale": (Dopri5, 1e-9),
 }
-LARGE = 1000  # vehicles; from here on the explicit engine is faster, docs/performance.md
+LARGE = 1000  # vehicles; from this size the explicit engine is faster, docs/performance.md
 
 
 def make_integrator(engine: str, loop: ClosedLoop, *, step: float, piece: float) -> Integrator:
@@ -26,7 +35,7 @@ def make_integrator(engine: str, loop: ClosedLoop, *, step: float, piece: float)
 
 
 def engine_name(engine: str, vehicles: int, small: str = "cvodes") -> str:
-    """The engine to use: "auto" means `small`, or "scale" for a large fleet; other names stand for themselves."""
+    """The engine to use: "auto" means `small`, or "scale" for a large fleet; any other name is returned."""
     if engine != "auto":
         return engine
     return "scale" if vehicles >= LARGE else small

@@ -1,6 +1,6 @@
 """Independent integrators of a `ClosedLoop`: CVODES on the CasADi expression, DOP853 on the NumPy one.
 
-Each gives the solution piece by piece on a grid, and between two grid points on a finer grid.
+Each returns the solution piece by piece on a grid, and on a finer grid between two grid points.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Integrator(ABC):
 
     @abstractmethod
     def pieces(self, start: State, begin: float = 0.0) -> Iterator[tuple[Floats, State]]:
-        """Times (K,) after `begin` and states (K, N), piece by piece without end; the start is left out."""
+        """Times (K,) after `begin` and states (K, N), piece by piece, without end and without the start itself."""
 
     @abstractmethod
     def between(self, t: float, state: State) -> tuple[Floats, State]:
@@ -46,7 +46,7 @@ class Cvodes(Integrator):
     multistep = "bdf"
 
     def __init__(self, loop: ClosedLoop, *, step: float, piece: float, tolerance: float) -> None:
-        """The CasADi integrators of the grid and of the finer grid are built when they are first needed."""
+        """Settings only: the CasADi integrators are built when they are first needed."""
         super().__init__(loop, step=step, piece=piece, tolerance=tolerance)
         self._grid: CasadiIntegrator | None = None
         self._finer: CasadiIntegrator | None = None

@@ -1,4 +1,4 @@
-"""Cubic Hermite interpolation between grid points: the peak of a quantity, and when it falls below 1 for good."""
+"""Cubic Hermite interpolation between grid points: the peak of a quantity, and the last time it is above 1."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from .closed_loop import Floats
 
-FINE = 64  # points of one interval at which a crossing is looked for
+FINE = 64  # points of one interval that are searched for a crossing
 
 
 class Peaks(NamedTuple):
@@ -26,14 +26,14 @@ def interval_peaks(values: Floats, slopes: Floats, step: float) -> Peaks:
     turn = -(c + np.where(c < 0, -root, root))
     with np.errstate(divide="ignore", invalid="ignore"):
         places = np.stack([np.zeros_like(a), np.ones_like(a), turn / (3 * d), b / turn])
-    places = np.where((places >= 0) & (places <= 1), places, 0.0)  # also where there is no root
+    places = np.where((places >= 0) & (places <= 1), places, 0.0)  # NaN too: no root
     sizes = np.abs(a + places * (b + places * (c + places * d)))
     best = np.argmax(sizes, axis=0)[None]
     return Peaks(np.take_along_axis(sizes, best, 0)[0], np.take_along_axis(places, best, 0)[0])
 
 
 def last_above_one(values: Floats, slopes: Floats, step: float) -> float | None:
-    """The last time, s from the first point, at which one of q (K, Q) is above 1; None if none ever is."""
+    """The last time, s from the first point, at which one of q (K, Q) is above 1; None if all stay at or below 1."""
     outside = np.flatnonzero(interval_peaks(values, slopes, step).size.max(axis=1) > 1)
     if not outside.size:
         return None

@@ -1,4 +1,4 @@
-"""What the theorem promises of every run of the bounded scheme, checked on a measured run."""
+"""The theorem's promises for every run of the bounded scheme, checked on a measured run."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from ...models.equations import State
 from .closed_loop import ClosedLoop
 from .monitor import Outcome
 
-ENERGY_ERROR = 1e3  # times the integrator's tolerance: a relative rise of V that integration error explains
-ROUNDING = 1e-6  # by which a ratio may pass 1 through the integration error
+ENERGY_ERROR = 1e3  # times the integrator's tolerance: a smaller relative rise of V is integration error
+ROUNDING = 1e-6  # a ratio may exceed 1 by this much, through integration error
 
 
 def violations(

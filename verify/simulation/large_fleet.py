@@ -1,7 +1,7 @@
 """The engine for large fleets: Dormand and Prince's method on flat arrays, O(N + E) time and memory.
 
-The right-hand side is `models.equations` over `flat_ops`; docs/performance.md says why NumPy and not JAX or numba. The
-steps are those of the stepper that ranks designs, here in double precision.
+The right-hand side is `models.equations` over `flat_ops` (docs/performance.md). The stepper is the one that ranks
+designs, here in double precision.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ class Dopri5(Explicit):
             if found == len(times):
                 return rows
             self._h = float(stepper.h[0])
-            if not self._h > SMALLEST_STEP:  # also where the error is not a number
+            if not self._h > SMALLEST_STEP:  # also if the error is not a number
                 break
         raise UndecidedError(f"the scale engine gave up at t = {t:g} s: its step fell to {self._h:.1g} s")
 
@@ -65,7 +65,7 @@ class Dopri5(Explicit):
 
 
 def _inside(stepper: Stepper, share: float) -> Floats:
-    """The solution at a share of the step that was tried last."""
+    """The solution at a share of the last step."""
     return np.asarray((stepper.new if share >= 1 else stepper.inside(share))[:, 0])
 
 

@@ -1,6 +1,6 @@
-"""Measures a run point by point: when it settles, and its peaks, also between the points.
+"""Measures a run point by point: its settling time and its peaks, also between the points.
 
-The grid tells in which intervals to look. These are integrated again on a fifty times finer grid.
+The grid shows which intervals matter. These are integrated again on a fifty times finer grid.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from .integrators import Integrator
 from .interpolation import interval_peaks, last_above_one
 from .settling import Approach, confirmed_by
 
-GRAZING = 0.995  # an interval is integrated again where its interpolated squared excess passes this
+GRAZING = 0.995  # an interval whose interpolated squared excess passes this is integrated again
 TIME_EPSILON = 1e-6  # s, step of the finite difference along the solution
 
 Curve = tuple[Floats, Floats]  # a quantity (K, Q) and its time derivative (1/s)
@@ -49,10 +49,10 @@ class Peak:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What was measured of one run."""
+    """The measurements of one run."""
 
-    settling_time: float  # s; inf if not settled at the end, or too late to see that it stays settled
-    approach: Approach  # what the error does at the end
+    settling_time: float  # s; inf if not settled at the end, or settled too late to see that it stays so
+    approach: Approach  # how the error moves at the end
     torque_ratio: Peak  # |torque| over its limit
     speed: Peak  # |v|, m/s
     turn_rate: Peak  # |omega|, rad/s
@@ -112,7 +112,7 @@ class Monitor:
         self._time, self._state = t[-1:], _rows(state, slice(-1, None))
 
     def outcome(self) -> Outcome:
-        """Refine, and return what was measured so far."""
+        """Refine, and return the measurements so far."""
         position, heading = self.loop.distances(self._state)
         return Outcome(
             settling_time=self._settling(),
@@ -167,7 +167,7 @@ class Monitor:
     def _excess(self, state: State, rate: State) -> Curve:
         """Squared errors over squared tolerances and their rates, position then heading, (K, 2 N).
 
-        Squares are smooth, so that cubic interpolation works where an error passes 0.
+        Squares are smooth, so cubic interpolation works when an error passes 0.
         """
         offset, tolerance = self.loop.offsets(state), self.tolerance
         position = (offset.x**2 + offset.y**2) / tolerance.position**2

@@ -1,4 +1,4 @@
-"""What a run takes of the plane: the room that the fleet uses, and how near its robots come to each other."""
+"""The room that the fleet uses in the plane during a run, and how near its robots come to each other."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Nearest(NamedTuple):
 
 @dataclass(frozen=True)
 class Room:
-    """What a run takes of the plane."""
+    """The room that a run uses, and its least distance between robots."""
 
     width: float  # m, along x
     height: float  # m, along y
@@ -40,7 +40,7 @@ class Room:
         return cls(float(np.ptp(x)), float(np.ptp(y)), _nearest(run.t, x, y), tuple(names))
 
     def to_json(self) -> dict[str, Any]:
-        """Its entries of summary.json."""
+        """The entries of summary.json."""
         nearest = self.nearest
         pair = [self.names[nearest.first], self.names[nearest.second]]
         alone = math.isinf(nearest.distance)
@@ -51,7 +51,7 @@ class Room:
         }
 
     def sentence(self) -> str:
-        """The same for a reader."""
+        """The room and least distance as a sentence."""
         nearest = self.nearest
         room = f"the fleet uses {self.width:.3g} m x {self.height:.3g} m"
         if math.isinf(nearest.distance):

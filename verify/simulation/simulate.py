@@ -26,7 +26,7 @@ ROUNDING = 64 * 2.0**-52  # of the largest coordinate: rounding error after thou
 LOOSER = 10.0  # times the tolerance: a second run with it measures the integration error
 STEP = 0.1  # s between stored points
 PIECE = 20.0  # s of simulated time between two checks of the clock
-LONGEST = 5000.0  # s, end of a run without a horizon that does not settle before
+LONGEST = 5000.0  # s, end of a run without a horizon that does not settle earlier
 MAX_NUMBERS = 40_000_000  # stored numbers; a run that would have more gets a longer step between stored points
 MEASURED_TOGETHER = 250_000  # numbers of a stored run that are measured at once
 HOLD = 0.25  # share of the settling time: a run without a horizon goes on for so long, to see that it stays settled
@@ -56,14 +56,14 @@ def simulate(
         start: the initial state, each (N,); None takes the fleet file's.
         bounded: False for the paper's unbounded comparison scheme, tanh(s) -> s.
         horizon: s; None runs until the fleet has settled and stayed so, or LONGEST.
-        tolerance: what counts as settled.
+        tolerance: the errors within which the fleet counts as settled.
         wall_limit: s of wall clock.
         engine: "cvodes", "scale" (large fleets), or "auto", which chooses from the number of vehicles.
-        progress: called with what is going on and the fraction done.
+        progress: called with the name of the step and the fraction done.
 
     Raises:
-        InputError: where neither the fleet file nor the caller gives a start.
-        UndecidedError: where the integrator stalls or the wall-clock limit passes.
+        InputError: if neither the fleet file nor the caller gives a start.
+        UndecidedError: if the integrator stalls or the wall-clock limit passes.
 
     """
     start = fleet.start() if start is None else start
@@ -97,7 +97,7 @@ def simulate(
 
 
 def _step(end: float, vehicles: int) -> float:
-    """The time between stored points: STEP, or longer where the arrays would not fit into memory."""
+    """The time between stored points: STEP, or longer if the arrays would not fit into memory."""
     return max(STEP, end * vehicles * 5 / MAX_NUMBERS)
 
 

@@ -22,13 +22,13 @@ class IntegrationError(NamedTuple):
 
 @dataclass(frozen=True)
 class Summary:
-    """What one run of a fleet came to."""
+    """The results of one run of a fleet."""
 
     settling_time: float  # s; inf if not settled at the end
-    approach: Approach  # what the error does at the end, where not settled
+    approach: Approach  # how the error moves at the end, if not settled
     tolerance: Tolerance
     horizon: float  # s
-    peak_torque_ratio: float  # |wheel torque| divided by its limit
+    peak_torque_ratio: float  # |wheel torque| / its limit
     final_position_error: float  # m, the largest of the fleet
     final_heading_error: float  # rad
     max_V_increase: float  # noqa: N815 -- V of (17)

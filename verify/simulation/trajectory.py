@@ -1,4 +1,4 @@
-"""A trajectory as arrays: what trajectory.npz holds, written and read back."""
+"""A trajectory as arrays, written to trajectory.npz and read back."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .integrators import Integrator
 
 Floats = NDArray[np.float64]
-_UNREADABLE = (  # an array's heading may claim and hold anything
+_UNREADABLE = (  # errors of a damaged or hostile file
     *(OSError, ValueError, KeyError, EOFError, RuntimeError, MemoryError),
     *(zipfile.BadZipFile, zlib.error, struct.error, TokenError),
 )
@@ -38,7 +38,7 @@ class Trajectory:
     tau_right: Floats  # N m
     V: Floats  # (K,), (17)
     W: Floats  # (K,), (19)
-    integrator: Integrator | None = None  # that made it; None for a disturbed run and for one read from a file
+    integrator: Integrator | None = None  # the run's integrator; None for a disturbed run and for one read from a file
 
     @property
     def start(self) -> State:
@@ -47,13 +47,13 @@ class Trajectory:
 
     @property
     def made_by(self) -> Integrator:
-        """The integrator. Raises ValueError if none is known: such a run cannot be refined between its points."""
+        """The integrator. Raises ValueError if it is not known: then the run cannot be refined between its points."""
         if self.integrator is None:
             raise ValueError("this trajectory was read from a file or disturbed; only one of simulate can be refined")
         return self.integrator
 
     def write(self, path: Path, labels: Mapping[str, str] | None = None) -> None:
-        """trajectory.npz, written whole or not at all; `labels` are texts beside the arrays, as digests."""
+        """trajectory.npz, written whole or not at all; `labels` are texts beside the arrays, for example digests."""
         torques = {"tau_left": self.tau_left, "tau_right": self.tau_right}
         arrays: dict[str, Any] = {**self.state._asdict(), **torques, "V": self.V, "W": self.W}
         arrays |= {name: np.array(text) for name, text in (labels or {}).items()}
@@ -61,7 +61,7 @@ class Trajectory:
 
 
 def read_labels(path: Path, names: Iterable[str]) -> dict[str, str]:
-    """The labels of these names in a trajectory.npz; those that it has not are left out. Raises InputError."""
+    """The labels of these names in a trajectory.npz; missing ones are left out. Raises InputError."""
     try:
         with np.load(path, allow_pickle=False) as stored:
             return {name: str(stored[name]) for name in names if name in stored}
@@ -70,7 +70,7 @@ def read_labels(path: Path, names: Iterable[str]) -> dict[str, str]:
 
 
 def read_trajectory(path: Path) -> Trajectory:
-    """The run in a trajectory.npz. Raises InputError if the file is not one."""
+    """The run in a trajectory.npz. Raises InputError for any other file."""
     names = ("t", *State._fields, "tau_left", "tau_right", "V", "W")
     try:
         with np.load(path, allow_pickle=False) as stored:

@@ -1,4 +1,4 @@
-"""The results file: one line of JSON per finished start, so that a run that was stopped goes on where it stopped."""
+"""The results file: one line of JSON per finished start, so that a stopped validation can continue."""
 
 from __future__ import annotations
 
@@ -15,11 +15,11 @@ from .start_result import StartResult
 class ResultsFile:
     """The file `validation-KEY.jsonl`: first the specification of the validation, then one line per finished start.
 
-    KEY is the digest of the specification: another fleet, other gains or another seed have another file.
+    KEY is the digest of the specification: every fleet, set of gains and seed has its own file.
     """
 
     def __init__(self, folder: Path, key: str, specification: dict[str, Any]) -> None:
-        """Read the finished lines; remove a line that a stopped run left unfinished. Raises InputError."""
+        """Read the finished lines; remove an unfinished last line. Raises InputError."""
         self.path = folder / f"validation-{key}.jsonl"
         self.done: dict[int, StartResult] = {}
         try:
@@ -39,7 +39,7 @@ class ResultsFile:
                 raise
 
     def _read(self, specification: dict[str, Any]) -> int:
-        """Read the finished lines; the number of bytes that they fill."""
+        """Read the finished lines. Returns the number of their bytes."""
         data = self.path.read_bytes() if self.path.exists() else b""
         whole = data.rfind(b"\n") + 1
         lines = data[:whole].splitlines()
@@ -63,7 +63,7 @@ class ResultsFile:
     def _line(self, content: dict[str, Any]) -> None:
         left = json.dumps(content, allow_nan=False).encode() + b"\n"
         try:
-            while left:  # not buffered: what a killed process has written stays; a power cut may lose some starts
+            while left:  # not buffered: finished starts survive a kill; a power cut may lose some
                 left = left[self._file.write(left) :]
         except OSError as error:
             raise write_error(self.path, error, "choose another folder") from None

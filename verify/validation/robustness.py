@@ -33,7 +33,7 @@ class DisturbedRuns:
 
     @property
     def delays(self) -> list[float]:
-        """How much later each start settles, s, where it settles in both runs."""
+        """How much later each start settles, s, for starts that settle in both runs."""
         return [a - b for a, b in zip(self.times, self.nominal, strict=True) if a is not None and b is not None]
 
     def to_json(self) -> dict[str, Any]:
@@ -61,14 +61,14 @@ class DisturbedRuns:
 
 @dataclass(frozen=True, eq=False)
 class Robustness:
-    """What was tried of a design beyond its nominal runs."""
+    """The results of a design under disturbances."""
 
     disturbed: tuple[DisturbedRuns, ...] = ()
-    searched: bool = False  # whether the largest sample time was looked for
+    searched: bool = False  # whether the largest sample time was searched for
     largest_sample_time: float | None = None  # s; None if no sample time lets all starts settle
 
     def to_json(self) -> dict[str, Any]:
-        """Its entries of validation.json."""
+        """The entries of validation.json."""
         document: dict[str, Any] = {}
         if self.disturbed:
             document["disturbed"] = [runs.to_json() for runs in self.disturbed]

@@ -10,7 +10,7 @@ from ..simulation.monitor import NamedPeak
 
 @dataclass(frozen=True)
 class Measurement:
-    """What was measured of the run from one start."""
+    """The measurements of the run from one start."""
 
     settling_time: float | None  # s; None if not settled at the horizon
     torque_ratio: NamedPeak  # |torque| divided by its limit
@@ -25,7 +25,7 @@ class Measurement:
 
 @dataclass(frozen=True)
 class StartResult:
-    """One start: what was measured, or why the integrator gave up."""
+    """One start: its measurements, or why the integrator gave up."""
 
     start: int  # its number
     measurement: Measurement | None  # None if the integrator gave up
@@ -58,7 +58,7 @@ class StartResult:
 
     @classmethod
     def from_json(cls, line: dict[str, Any]) -> StartResult:
-        """The result in a line of the results file. Raises KeyError, TypeError or ValueError where it is none."""
+        """The result in a line of the results file. Raises KeyError, TypeError or ValueError for any other line."""
         number, violations = int(line["start"]), tuple(line["violations"])
         if line.get("gave_up"):
             return cls(number, None, line["failure"], violations)

@@ -12,7 +12,7 @@ from .spread import Spread
 from .start_result import Measurement, StartResult, peak_to_json
 from .validate import ValidationSpec
 
-SENSITIVE = 0.5  # m between two very accurate runs of a start: beyond this, rounding decides its settling time
+SENSITIVE = 0.5  # m between two very accurate runs of a start: above it the settling time depends on rounding
 PRINTED = 5  # failures and violations that are printed
 
 
@@ -29,7 +29,7 @@ class ValidationResults:
 
     spec: ValidationSpec
     results: Sequence[StartResult]
-    seed: int | None  # of the starts; None if a file holds them
+    seed: int | None  # of random starts; None for starts from a file
     robustness: Robustness = UNTRIED
 
     @property
@@ -54,7 +54,7 @@ class ValidationResults:
 
     @property
     def sensitive(self) -> list[int]:
-        """The starts whose settling times rounding decides."""
+        """The starts whose settling times depend on rounding."""
         return [number for number, measured in self._measured if (measured.sensitivity or 0) > SENSITIVE]
 
     @property
@@ -99,7 +99,7 @@ class ValidationResults:
         }
 
     def sentences(self) -> list[str]:
-        """The statistics in some lines for a reader."""
+        """The statistics as sentences."""
         lines = [self._settling()]
         if ratios := self.ratios:
             lines.append(

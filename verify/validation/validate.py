@@ -1,7 +1,7 @@
-"""Validates gains over many starts: settling, peaks, and the distance from what physics would allow.
+"""Validates gains over many starts: settling, peaks, and the ratio to the physical limit.
 
-An `Executor` decides where the runs take place. Each result is a function of the specification and the start alone,
-so that a start can be replayed to the last bit, wherever and in whatever order it ran first.
+An `Executor` decides where the runs take place. Each result depends only on the specification and the start, so a start
+can be replayed to the last bit, wherever and in whatever order it ran first.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ Progress = Callable[[str, float], None]
 
 @dataclass(frozen=True, eq=False)
 class ValidationSpec:
-    """Everything that a result depends on, except the start. Two specifications are equal where their keys are."""
+    """Everything that a result depends on, except the start. Specifications with equal keys are equal."""
 
     loop: ClosedLoop
     tolerance: Tolerance
@@ -63,7 +63,7 @@ class Replay(NamedTuple):
     """One start that was run again."""
 
     result: StartResult
-    stored: StartResult | None  # of the results file, where it has one
+    stored: StartResult | None  # from the results file, if it is there
     trajectory: Trajectory
 
 
@@ -77,13 +77,14 @@ def make_spec(
     engine: str = "auto",
     versions: Mapping[str, str],
 ) -> ValidationSpec:
-    """The specification of a validation of a fleet in closed loop; `origin` says where the starts come from.
+    """The specification of a validation of a fleet in closed loop; `origin` is the origin of the starts.
 
     Every entry of the content changes the key: results of another version are not reused.
     """
     engine = engine_name(engine, len(fleet), "chaos-aware")
     content = {
         "fleet_digest": fleet.digest,
+        "vehicles": fleet.names,
         "leader": [str(fleet.leader.position), fleet.leader.theta],
         "gains": {name: [str(gain) for gain in getattr(loop.gains, name)] for name in GAIN_NAMES},
         "excitation": loop.excitation.table(),
@@ -98,7 +99,7 @@ def make_spec(
 
 
 def origin_of_states(states: Sequence[State]) -> dict[str, Any]:
-    """The origin of starts that a file holds: the digest of their numbers."""
+    """The origin of starts from a file: the digest of their numbers."""
     rows = [[column.tolist() for column in state] for state in states]
     return {"digest": digest_of({"states": rows})}
 
@@ -111,9 +112,9 @@ def validate(
     workers: int,
     progress: Progress = lambda _what, _fraction: None,
 ) -> list[StartResult]:
-    """The results of all starts in order: those in the folder's results file, and the others by the executor.
+    """The results of all starts in order: those in the folder's results file, and the others, run by the executor.
 
-    Raises UndecidedError if workers die. Finished starts are stored, and the same call goes on from there.
+    Raises UndecidedError if workers die. Finished starts are stored; the same call continues from there.
     """
     with ResultsFile(folder, spec.key, spec.content) as file:
         jobs = ((spec, k, start) for k, start in enumerate(starts) if k not in file.done)
@@ -179,7 +180,7 @@ def points(integrator: Integrator, horizon: float, start: State) -> Iterator[tup
 
 
 def physical_limit(loop: ClosedLoop, start: State) -> float:
-    """A time that no controller can beat by much, s: the largest distance to travel divided by the speed limit.
+    """A time in s that no controller can beat by much: the largest distance divided by the speed limit.
 
     Without a speed limit, the bang-bang time 2 sqrt(distance / acceleration) under the full torque of both wheels.
     """
@@ -192,7 +193,7 @@ def physical_limit(loop: ClosedLoop, start: State) -> float:
 
 @lru_cache(maxsize=1)
 def _integrator(spec: ValidationSpec) -> Integrator:
-    """The integrator of this process: building it takes as long as some seconds of simulation."""
+    """The integrator of this process, built once: building takes as long as some seconds of simulation."""
     # A whole number of steps in the horizon, so that the last point is the horizon itself.
     step = spec.horizon / math.ceil(spec.horizon / STEP)
     piece = max(step, min(PIECE, spec.horizon, step * PIECE_NUMBERS / (5 * spec.loop.vehicles)))

@@ -1,74 +1,48 @@
-"""Witnesses for a certificate: found here with floats and solvers, believed by nobody, checked by `kernel.py`."""
+"""Decay rates with their positive vectors: found in floats, rounded, checked by the kernel."""
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
-from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 from fractions import Fraction
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...models.algebra.ops import numpy_ops
-from ...models.excitation import Excitation
+from ...models.arrays import Array, floats
+from ...models.fleet import Fleet
+from ...models.gains import Gains
 from ...models.graph import Graph
-from ...models.numbers import exact
+from ...models.numbers import decimal_text
+from .rounding import rounded
 
 Floats = NDArray[np.float64]
 
 BANDED_ENTRIES = 4 * 10**7  # a banded Cholesky factor may have so many entries; beyond, conjugate gradients
 VECTOR_DIGITS = 15  # digits of the largest entry of a positive vector
 EXACT_STEPS, LOOSE_STEPS = 40, 5  # inverse iterations with a factor, and with conjugate gradients
-BELOW_PI, ABOVE_PI = Fraction("3.14159265358979"), Fraction("3.1415926535898")
+NO_RATES: dict[str, Any] = {"gamma_omega": None, "gamma_v": None}
 
 
-def forest(graph: Graph) -> list[list[int]]:
-    """[vehicle, parent] with -1 for the leader, parents first: (A1) in a form that is checked in one pass."""
-    parents = graph.leader_tree()
-    children: list[list[int]] = [[] for _ in range(graph.vehicles + 1)]
-    for vehicle, parent in enumerate(parents.tolist()):
-        if parent >= 0:
-            children[parent].append(vehicle)
-    order = [(vehicle, -1) for vehicle in children[graph.vehicles]]
-    for vehicle, _ in order:  # grows while it is read: breadth first
-        order += [(child, vehicle) for child in children[vehicle]]
-    return [list(pair) for pair in order]
+def certified_rates(fleet: Fleet, gains: Gains) -> dict[str, Any]:
+    """Both rates with their vectors, as a certificate states them; None where none was found."""
+    local = gains.map(floats).local()
+    inertia = bounds(vehicle.inertia_bounds(fleet.arm_factor) for vehicle in fleet.vehicles)
+    mass = bounds(vehicle.mass_bounds() for vehicle in fleet.vehicles)
+    found = {
+        "gamma_omega": rate(fleet.graph, inertia, local.p_omega, local.d_omega),
+        "gamma_v": rate(fleet.graph, mass, local.p_v, local.d_v),
+    }
+    return {
+        name: stated and {"rate": decimal_text(stated[0]), "vector": " ".join(map(str, stated[1]))}
+        for name, stated in found.items()
+    }
 
 
-def psi_power(psi: Excitation) -> Fraction:
-    """A decimal just below the integral of psi'^2 over one period, (12); with few places where it is tiny or huge."""
-    rational, power = psi.power()
-    return rounded(rational * BELOW_PI if power == 1 else rational / ABOVE_PI, 12)
-
-
-def psi_point(psi: Excitation) -> dict[str, Any]:
-    """The phase where |psi| is largest, by tan of half of it, and a decimal just below |psi| there.
-
-    Phases within a quarter turn of 0 are meant as they are (half_turn 0), the others half a turn on (half_turn 1).
-    """
-    period = 2 * math.pi / float(psi.frequency)
-
-    def size(phase: Any) -> Any:
-        return abs(psi.value(numpy_ops(), phase / (2 * math.pi) * period))
-
-    phases = np.linspace(-math.pi / 2, 3 * math.pi / 2, 64 * psi.harmonics + 1)
-    step = phases[1] - phases[0]
-    for _ in range(12):  # zooms in on the largest value, four times each
-        best = phases[np.argmax(size(phases))]
-        phases, step = np.linspace(best - step, best + step, 9), step / 4
-    half_turn = int(math.cos(best) < 0)
-    half_tangent = min(1.0, max(-1.0, round(math.tan((best - math.pi * half_turn) / 2), 9)))
-    value = float(size(2 * math.atan(half_tangent) + math.pi * half_turn))
-    at_least = rounded(Fraction(value) * (1 - Fraction(1, 10**12)), 13)
-    return {"half_tangent": exact(half_tangent), "half_turn": half_turn, "at_least": at_least}
-
-
-def rounded(q: Fraction, digits: int, *, up: bool = False) -> Fraction:
-    """A decimal of so many significant digits, not above q (not below, where `up`)."""
-    context = Context(prec=digits, rounding=ROUND_CEILING if up else ROUND_FLOOR)
-    return Fraction(context.divide(Decimal(q.numerator), Decimal(q.denominator)))
+def bounds(pairs: Any) -> tuple[Array, Array]:
+    """The least and the greatest values, floats, (N,) each."""
+    least, most = np.array([(float(low), float(high)) for low, high in pairs]).T
+    return least, most
 
 
 def rate(graph: Graph, mass: tuple[Any, Any], p: Any, d: Any) -> tuple[Fraction, list[int]] | None:

@@ -1,0 +1,363 @@
+"""What the kernel reads and what it refuses: strictly, and before anything is believed."""
+
+from __future__ import annotations
+
+import copy
+import json
+from contextlib import suppress
+from fractions import Fraction
+from typing import Any
+
+import pytest
+from gaincert.verify import kernel
+
+from tests.campaigns.certified_fleets import CASES
+from tests.verify.certificate_documents import Change, Document, check, document, harmonics, reason, refusal, single
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('{"a": {"b": 1, "b": 1}}', "a key is listed twice in one table"),
+        ('{"a": ' + "1" * 5000 + "}", "the file is not JSON: Exceeds the limit"),
+        ("{", "the file is not JSON: "),
+        ("\udcff", "the file is not JSON: "),
+        ("\ufeff{}", "the file is not JSON: Unexpected UTF-8 BOM"),
+    ],
+)
+def test_what_no_file_may_hold_is_refused(text: str, words: str) -> None:
+    with pytest.raises(kernel.UnreadableError) as caught:
+        kernel.load(text.encode("utf-8", "surrogateescape"))
+    assert str(caught.value).startswith(words)
+
+
+@pytest.mark.parametrize(
+    ("value", "found"), [({"b": 1, "a": 2, "c": 3}, "'a, b, c'"), ({"b": 1}, "'b'"), (5, "5"), (None, "None")]
+)
+def test_a_table_has_exactly_the_keys_that_are_asked_for(value: Any, found: str) -> None:
+    assert kernel.table({"b": 1, "a": 2}, ("a", "b")) == [2, 1]
+    with pytest.raises(kernel.UnreadableError) as caught:
+        kernel.table(value, ("a", "b"))
+    assert str(caught.value) == f"expected a table with the keys a, b, not {found}"
+
+
+# -- columns -----------------------------------------------------------------------------------------------------------
+
+
+def read(text: Any, count: int | None = None, **more: Any) -> list[Fraction]:
+    reader = kernel.Reader(4, 3)
+    return [Fraction(value, 10**4) for value in reader.column(text, "x", count, **more)]
+
+
+@pytest.mark.parametrize(
+    ("text", "values"),
+    [
+        ("1 2 3", [1, 2, 3]),
+        ("0.50 10.00 0.25", [Fraction(1, 2), 10, Fraction(1, 4)]),
+        ("1.0001 1.0002 123456789.0000", [Fraction("1.0001"), Fraction("1.0002"), 123456789]),
+    ],
+)
+def test_columns_are_read_exactly(text: str, values: list[Fraction]) -> None:
+    assert read(text) == values
+
+
+def test_a_column_may_be_negative_or_zero_where_that_makes_sense() -> None:
+    assert read("-1.5 0.0 2.5", least=None) == [Fraction(-3, 2), 0, Fraction(5, 2)]
+    assert read("0 0 1", least=0) == [0, 0, 1]
+    assert read("", 0) == []
+    for text, least, words in (("0 1 1", 1, "> 0 (A2)"), ("-1 1 1", 0, ">= 0"), ("-0.5 1.0 1.0", 1, "> 0 (A2)")):
+        with pytest.raises(kernel.FalseError) as caught:
+            read(text, least=least)
+        assert words in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["", "-", ".5", "5.", "05", "00", "+1", "1e3", "1,5", "0x1", "1/2", "--1", "1.2.3", "1\n", " 1", "1 ", "\u0662",
+     "1_0", "1\u00a02", "nan", "Infinity", "9" * 61, "1." + "1" * 101],
+)  # fmt: skip
+def test_what_is_no_decimal_is_refused(text: str) -> None:
+    with pytest.raises(kernel.UnreadableError, match="x: expected a string of 1 decimals of one form"):
+        kernel.Reader(100, 1).column(text, "x", 1)
+
+
+@pytest.mark.parametrize("text", ["1 2.0 3", "1.0 2 3.0", "1.00 2.0 3.00", "1  2 3", "1 2", "1 2 3 4", "1\t2\t3"])
+def test_all_numbers_of_a_column_have_one_form(text: str) -> None:
+    with pytest.raises(kernel.UnreadableError, match="x: expected a string of 3 decimals"):
+        read(text)
+
+
+@pytest.mark.parametrize("value", [1.5, 1, True, False, None, [1], ["1 2 3"], {"1": 1}, [], {}])
+def test_a_column_is_a_text(value: Any) -> None:
+    for count in (3, 1, 0):
+        with pytest.raises(kernel.UnreadableError, match="x: expected a string"):
+            read(value, count)
+
+
+def test_indices_are_integers_in_their_range() -> None:
+    reader = kernel.Reader(4, 3)
+    assert reader.column("0 2 1", "x", None, 0, 3) == [0, 2, 1]
+    assert reader.column("-1 2 1", "x", None, -1, 3) == [-1, 2, 1]
+    for text in ("0 1 3", "-1 0 1", "0 1 99999999999999999999"):
+        with pytest.raises(kernel.FalseError, match="x: all must be from 0 to 2"):
+            reader.column(text, "x", None, 0, 3)
+    with pytest.raises(kernel.FalseError):
+        reader.column("0 -1 -1", "x", None, -1, 0)
+    for text in ("0.0 1.0 2.0", "0 1", "0 1 x"):
+        with pytest.raises(kernel.UnreadableError):
+            reader.column(text, "x", None, 0, 3)
+
+
+@pytest.mark.parametrize("digits", [59, 60, 61])
+def test_numbers_have_at_most_60_digits_before_the_point(digits: int) -> None:
+    content = single("1" * digits)
+    if digits <= 60:
+        assert check(content).valid
+    else:
+        assert "torque_left: expected" in refusal(content)
+
+
+@pytest.mark.parametrize("places", [99, 100, 101])
+def test_numbers_have_at_most_100_digits_after_the_point(places: int) -> None:
+    content = single("6." + "0" * (places - 1) + "1")
+    if places <= 100:
+        assert check(content).valid
+    else:
+        assert f"1 vehicles with {places} digits after the point are not checked" in refusal(content)
+
+
+def test_many_vehicles_have_fewer_places(monkeypatch: pytest.MonkeyPatch) -> None:
+    content = document("mixed_ring")
+    places = kernel.places_of({**content, "provenance": ""})
+    monkeypatch.setattr(kernel, "MAX_SIZE", 10 * places)
+    assert check(content).valid
+    monkeypatch.setattr(kernel, "MAX_SIZE", 10 * places - 1)
+    assert f"10 vehicles with {places} digits" in refusal(content)
+
+
+@pytest.mark.parametrize("value", ["6", 6.5, True, None, 0, -1, [], "6 6"])
+def test_the_number_of_vehicles_is_a_positive_integer(value: Any) -> None:
+    content = single()
+    content["fleet"]["vehicles"] = value
+    assert "vehicles with 1 digits after the point are not checked" in refusal(content)
+
+
+def test_a_parameter_is_a_column_or_two() -> None:
+    reader = kernel.Reader(1, 1)
+    assert reader.ends("2.5", "x", 1) == [[25], [25]]
+    assert reader.ends(["2", "3"], "x", 1) == [[20], [30]]
+    assert reader.ends(["2", "2"], "x", 1) == [[20], [20]]
+    for false in ("0", "-1", ["0", "1"], ["-1", "1"], ["3", "2"]):
+        with pytest.raises(kernel.FalseError, match=r"\(A2\)"):
+            reader.ends(false, "x", 1)
+    for unreadable in (["1"], ["1", "2", "3"], [], None, True, {"low": "1"}, ["1", 2]):
+        with pytest.raises(kernel.UnreadableError):
+            reader.ends(unreadable, "x", 1)
+
+
+# -- the document ------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("schema", ["gaincert-certificate-1", "x", None, 2, ["gaincert-certificate-2"]])
+def test_another_schema_is_refused_with_the_word_to_certify_again(schema: Any) -> None:
+    words = refusal({**single(), "schema": schema})
+    assert f"schema {schema!a}, not {kernel.SCHEMA}: certify again (gaincert certify" in words
+
+
+OTHER_FORMS: list[Change] = [
+    lambda c: c.update(conditions=["corrected"]),
+    lambda c: c.update(conditions="(16*)"),
+    lambda c: c.update(designed=[]),
+    lambda c: c.update(designed={"excitation": None}),
+    lambda c: c.update(designed={"excitation": None, "weights": None, "vehicle": None}),
+    lambda c: c["designed"].update(weights={"edges": ""}),
+    lambda c: c["designed"].update(weights={"edges": "1", "leader_links": "1"}),
+    lambda c: c["designed"].update(weights={"edges": "", "leader_links": ""}),
+    lambda c: c["designed"].update(excitation=[]),
+    lambda c: c["fleet"].update(drive="other"),
+    lambda c: c["fleet"].update(drive=["paper"]),
+    lambda c: c["fleet"].update(more="1"),
+    lambda c: c["fleet"].pop("mass"),
+    lambda c: c["fleet"].update(mass=5),
+    lambda c: c["fleet"].update(offset_x="x"),
+    lambda c: c["fleet"].update(offset_y=["0", "0"]),
+    lambda c: c["fleet"].update(edges=5),
+    lambda c: c["fleet"]["edges"].update(tail="0"),
+    lambda c: c["fleet"].update(leader_links={"vehicle": "0"}),
+    lambda c: c["fleet"].update(leader_links={"vehicle": "0", "weight": "1 1"}),
+    lambda c: c["fleet"].update(limits={}),
+    lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0"}),
+    lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0", "value": ""}),
+    lambda c: c["fleet"]["limits"].update(speed="1"),
+    lambda c: c["fleet"]["limits"].update(fast=None),
+    lambda c: c["gains"].update(p_v="1 1"),
+    lambda c: c["gains"].update(position_scale="1 1"),
+    lambda c: c["gains"].pop("p_v"),
+    lambda c: c["gains"].pop("speed_scale"),
+    lambda c: c.update(psi_bar=1),
+    lambda c: c.update(psi_bar="1 1"),
+    lambda c: c.update(arcs=[]),
+    lambda c: c["arcs"].pop("here"),
+    lambda c: c["arcs"].update(here=[]),
+    lambda c: c.update(tree={}),
+    lambda c: c["tree"].update(link="-1 -1"),
+    lambda c: c["tree"].update(depth="1.5"),
+    lambda c: c.update(rates={}),
+    lambda c: c.update(margins={"(16*)": "0 0"}),
+    lambda c: c.update(margins={}),
+    lambda c: c["margins"].update({"(16)": "0"}),
+    lambda c: c.update(more=1),
+    lambda c: c.pop("arcs"),
+    lambda c: c["fleet"].update(excitation=None),
+]
+
+
+@pytest.mark.parametrize("number", range(len(OTHER_FORMS)))
+def test_a_document_of_another_form_is_refused(number: int) -> None:
+    content = single()
+    assert check(content).valid
+    OTHER_FORMS[number](content)
+    refusal(content)
+
+
+@pytest.mark.parametrize("content", [[1], "x", 5, None, {}])
+def test_a_document_is_a_table(content: Any) -> None:
+    refusal(content)
+
+
+BROKEN: list[tuple[str, Change]] = [
+    ("p_v: all must be > 0 (A2)", lambda c: c["gains"].update(p_v="-1 56 56 56 56 56")),
+    ("p_v: all must be > 0 (A2)", lambda c: c["gains"].update(p_v="0 56 56 56 56 56")),
+    ("speed_scale: all must be > 0 (A2)", lambda c: c["gains"].update(speed_scale="1 1 1 1 1 0")),
+    ("position_scale: all must be > 0 (A2)", lambda c: c["gains"].update(position_scale="0")),
+    ("mass: an interval must have low <= high (A2)", lambda c: c["fleet"].update(mass=["2 1 1 1 1 1", "1 1 1 1 1 1"])),
+    ("half_track: all must be > 0 (A2)", lambda c: c["fleet"].update(half_track="-1 1 1 1 1 1")),
+    ("wheel_inertia: all must be >= 0", lambda c: c["fleet"].update(wheel_inertia="-1 1 1 1 1 1")),
+    ("edges must be in rising order", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 2 3 3", head="1 5 2 3 3 4 4")),
+    ("edges must be in rising order", lambda c: c["fleet"]["edges"].update(tail="0 1 0 1 2 3 4")),
+    ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 3 3 4")),
+    ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 4 3 4")),
+    ("edges: all must be from 0 to 5", lambda c: c["fleet"]["edges"].update(head="1 5 2 3 3 4 6")),
+    ("weight: all must be > 0", lambda c: c["fleet"]["edges"].update(weight="1 1 1 1 1 1 0")),
+    ("leader weight: all must be > 0", lambda c: c["fleet"]["leader_links"].update(weight="10 -10")),
+    ("leader_links must be in rising order", lambda c: c["fleet"]["leader_links"].update(vehicle="3 1")),
+    ("leader_links must be in rising order", lambda c: c["fleet"]["leader_links"].update(vehicle="1 1")),
+    ("leader_links: all must be from 0 to 5", lambda c: c["fleet"]["leader_links"].update(vehicle="1 6")),
+    ("connected: vehicle 2", lambda c: c["fleet"]["leader_links"].update(vehicle="3", weight="10")),
+    ("connected: vehicle 1", lambda c: c["tree"].update(link="-1 -1 2 -1 5 1")),
+    ("connected: vehicle 1", lambda c: c["tree"].update(link="2 -1 2 -1 5 1")),
+    ("connected: vehicle 1", lambda c: c["tree"].update(depth="0 0 1 0 1 2")),
+    ("connected: vehicle 6", lambda c: c["tree"].update(depth="1 0 1 0 1 1")),
+    ("tree: link: all must be from -1 to 6", lambda c: c["tree"].update(link="7 -1 2 -1 5 1")),
+    ("psi_bounded: psi has the mean", lambda c: c["fleet"]["excitation"].update(mean="2.5")),
+    ("(15): vehicle 1", lambda c: c["gains"].update(d_omega="27.09 59.00 28.00 59.00 28.00 28.00")),
+    ("(16): vehicle 5", lambda c: c["gains"].update(d_v="840 840 840 840 841 841")),
+    ("C >= 2 gamma M", lambda c: c["rates"]["gamma_v"].update(rate="1000000")),
+    ("gamma_omega: vehicle", lambda c: c["rates"]["gamma_omega"].update(rate="0.06")),
+    ("gamma_v: vehicle", lambda c: c["rates"]["gamma_v"].update(vector="1 1 1 1 1 1")),
+]
+
+
+@pytest.mark.parametrize("number", range(len(BROKEN)))
+def test_each_rule_names_what_fails(number: int) -> None:
+    content = document()
+    words, change = BROKEN[number]
+    change(content)
+    assert words in reason(content)
+
+
+def test_a_designed_weight_of_0_is_no_link() -> None:
+    content = document()
+    weights = {"edges": "1 1 1 1 1 1 1", "leader_links": "10 10"}
+    content["designed"]["weights"] = dict(weights)
+    assert check(content).valid
+    content["designed"]["weights"] = {**weights, "edges": "0 1 1 1 1 1 1"}
+    assert "connected: vehicle 1" in reason(content)
+    content["designed"]["weights"] = {**weights, "leader_links": "0 10"}
+    assert "connected: vehicle 2" in reason(content)
+    content["designed"]["weights"] = {**weights, "edges": "-1 1 1 1 1 1 1"}
+    assert "designed weight: all must be >= 0" in reason(content)
+
+
+def test_designed_parts_are_used_in_place_of_the_fleets() -> None:
+    content = single()
+    content["designed"] = {"excitation": harmonics("0.25"), "weights": {"edges": "", "leader_links": "1.5"}}
+    claims = kernel.read_claims(content)
+    assert claims.graph.degree == claims.graph.leader == [15 * claims.unit // 10]
+    assert claims.psi.terms == [(1, claims.unit // 4, 0)]
+    plain = kernel.read_claims(single())
+    assert plain.graph.degree == [plain.unit] and plain.psi.terms == [(1, 9 * plain.unit // 10, 0)]
+
+
+GARBAGE: list[Change] = [
+    lambda c: c["fleet"].update(excitation={"family": "none"}),
+    lambda c: c["fleet"].update(excitation=7),
+    lambda c: c["fleet"]["excitation"].update(frequency="0"),
+    lambda c: c["fleet"]["leader_links"].update(weight="-1"),
+    lambda c: c["fleet"]["leader_links"].update(weight="x"),
+    lambda c: c["fleet"]["leader_links"].update(weight="0"),
+]
+
+
+@pytest.mark.parametrize("number", range(len(GARBAGE)))
+def test_what_a_designed_part_replaces_is_read_all_the_same(number: int) -> None:
+    content = single()
+    content["designed"] = {"excitation": harmonics("0.5"), "weights": {"edges": "", "leader_links": "1"}}
+    assert check(content).valid
+    GARBAGE[number](content)
+    with suppress(kernel.UnreadableError):
+        assert not check(content).valid
+
+
+def test_degrees_count_every_edge_at_both_ends_and_the_leader() -> None:
+    claims = kernel.read_claims(document("mixed_ring"))
+    u, graph = claims.unit, claims.graph
+    edges = list(zip(graph.tail, graph.head, graph.weight, strict=True))
+    assert len(edges) == 10 and edges[0] == (0, 1, 15 * u // 10)
+    assert graph.leader == [2 * u, 0, 0, 0, 0, u // 4, 0, 0, 0, 0]
+    for i, degree in enumerate(graph.degree):
+        assert degree == graph.leader[i] + sum(w for a, b, w in edges if i in (a, b))
+    assert claims.columns[0] == graph.degree
+
+
+def turned(value: Any) -> Any:
+    """The same tables with their keys in the other order."""
+    if isinstance(value, dict):
+        return {key: turned(value[key]) for key in reversed(value)}
+    return value
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_order_of_keys_does_not_count(name: str) -> None:
+    content = document(name)
+    assert json.dumps(turned(content)) != json.dumps(content)
+    assert check(turned(content)) == check(content)
+
+
+def test_too_many_values_are_refused_before_they_are_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    data = json.dumps(document()).encode()
+    marks = sum(map(data.count, (b'"', b",", b":", b"[", b"{")))
+    for limit, size in (("MAX_BYTES", len(data)), ("MAX_MARKS", marks)):
+        monkeypatch.setattr(kernel, limit, size)
+        assert kernel.check_data(data).valid
+        monkeypatch.setattr(kernel, limit, size - 1)
+        with pytest.raises(kernel.UnreadableError, match="larger"):
+            kernel.check_data(data)
+        monkeypatch.undo()
+
+
+def test_provenance_is_not_read() -> None:
+    content: Document = single(provenance={"float": 1.5, "deep": [[[]]], "places": "1.23456789"})
+    assert check(content) == check(single())
+    without = copy.deepcopy(content)
+    without.pop("provenance")
+    assert check(without).valid
+
+
+@pytest.mark.parametrize(
+    ("limit", "value"),
+    [("MAX_BYTES", 2**30), ("MAX_MARKS", 20_000), ("MAX_WHOLE", 60), ("MAX_PLACES", 100), ("MAX_HARMONIC", 200),
+     ("MAX_SIZE", 20_000_000), ("SCHEMA", "gaincert-certificate-2")],
+)  # fmt: skip
+def test_the_limits_are_those_of_the_documentation(limit: str, value: Any) -> None:
+    assert getattr(kernel, limit) == value
