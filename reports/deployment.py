@@ -1,4 +1,4 @@
-"""What a folder holds that can be deployed: the fleet, its gains and psi, and the digests that tie them together."""
+"""The deployable content of a folder: the fleet, its gains and psi, and the digests that tie them together."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ COPIED = 20_000  # vehicles up to which a folder gets a copy of its fleet
 
 @dataclass(frozen=True, eq=False)
 class Deployment:
-    """Gains that are ready for robots, and where they come from."""
+    """Gains that are ready for robots, and their origin."""
 
     fleet: Fleet  # with the links that are used
     excitation: Excitation
@@ -43,12 +43,12 @@ class Deployment:
 
     @cached_property
     def digests(self) -> Digests:
-        """What every file made from it carries."""
+        """The digests for every file made from it."""
         return Digests(self.fleet_digest, gains_digest(self.fleet, self.excitation, self.gains))
 
     @cached_property
     def evidence(self) -> dict[str, str]:
-        """What every export says of its origin."""
+        """The origin that every export states."""
         return {
             "gaincert": __version__,
             "casadi": versions()["casadi"],
@@ -59,13 +59,13 @@ class Deployment:
 
 
 def write_fleet_copy(fleet: Fleet, folder: Path) -> None:
-    """Keep the fleet beside what was made for it, so that `report` and `export` need nothing but the folder."""
+    """Keep a copy of the fleet in the folder, so that `report` and `export` need nothing else."""
     if len(fleet) <= COPIED:
         write_text(folder / FLEET_COPY, dumps(fleet))
 
 
 def fleet_of_folder(folder: Path, given: Path | None = None) -> Fleet:
-    """The fleet of a folder, or the one in the file that is given. Raises InputError if there is neither."""
+    """The fleet in the given file, else the folder's copy. Raises InputError without either."""
     if given is not None:
         return load_fleet(given)
     if not (folder / FLEET_COPY).is_file():
@@ -74,7 +74,7 @@ def fleet_of_folder(folder: Path, given: Path | None = None) -> Fleet:
 
 
 def load_deployment(folder: Path, fleet: Fleet) -> Deployment:
-    """What a folder holds for a fleet. Raises InputError if files are missing or do not belong together."""
+    """The deployable content of a folder for a fleet. Raises InputError if files are missing or do not match."""
     design, certificate = folder / "design.json", folder / "certificate.json"
     if not design.is_file() and not certificate.is_file():
         raise InputError(f"{folder}: holds neither design.json nor certificate.json; run gaincert design or certify")

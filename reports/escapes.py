@@ -1,4 +1,4 @@
-"""How foreign text enters each language without becoming part of it: C, YAML, JavaScript, LaTeX, Markdown, tables."""
+"""Escapes for names and texts from files: C, YAML, JavaScript, LaTeX, Markdown, tables."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ _TEX = {
 
 
 def c_comment(text: Any) -> str:
-    """Text inside a C comment: whatever could end it, open another, form a trigraph or splice a line is spelled out."""
+    """Text inside a C comment: characters that end it, open another, form a trigraph or join lines are escaped."""
     return "".join(c if c in _C_SAFE else f"U+{ord(c):04X}" for c in str(text))
 
 
@@ -43,7 +43,7 @@ def script_json(content: Any) -> Any:
 
 
 def tex_text(text: Any) -> str:
-    """Plain text for LaTeX: every special character escaped, what pdflatex has no glyph for by its code point."""
+    """Plain text for LaTeX: special characters escaped, characters without a glyph in pdflatex as code points."""
     return "".join(_TEX.get(c, c if " " <= c <= "~" else f"[U+{ord(c):04X}]") for c in str(text))
 
 
@@ -54,5 +54,5 @@ def markdown_text(text: Any) -> str:
 
 
 def no_formula(text: str) -> str:
-    """Text that no spreadsheet takes for a formula: an apostrophe before what would begin one."""
+    """Text that no spreadsheet takes for a formula: such a start gets an apostrophe before it."""
     return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r", "\n")) else text

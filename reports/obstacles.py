@@ -1,4 +1,4 @@
-"""What makes a design useless on its robots, and what to change: said before the robots find out."""
+"""Obstacles: reasons why robots cannot use a design, each with a remedy, found before the robots run."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:  # `check` needs no integrators
 
 
 class Obstacle(NamedTuple):
-    """Why the robots will not do what the design promises, and the remedy."""
+    """A reason why the robots cannot use the design, and its remedy."""
 
     what: str
     remedy: str
@@ -25,7 +25,7 @@ class Obstacle(NamedTuple):
 
 
 def of_fleet(fleet: Fleet) -> list[Obstacle]:
-    """What no gains can mend: motors that cannot overcome friction."""
+    """Obstacles for all gains: motors that cannot overcome friction."""
     friction = coulomb(fleet)
     held = [vehicle.name for vehicle in fleet.vehicles if motor_torque(vehicle) <= friction]
     if not held:
@@ -62,7 +62,7 @@ def of_control_rate(sample_time: float | None, largest: float | None) -> list[Ob
 
 
 def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
-    """Collisions, and a run with its disturbance that does not come to its goal."""
+    """Collisions, and a disturbed run that does not reach its goal."""
     from ..verify.simulation.settling import Approach
 
     found = [] if summary.room is None else _collisions(fleet, summary.room)
@@ -76,7 +76,7 @@ def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
 
 
 def _collisions(fleet: Fleet, room: Room) -> list[Obstacle]:
-    """The nearest pair against the footprints, where both are given."""
+    """The nearest pair of robots, compared with their footprints, if both have one."""
     nearest = room.nearest
     sizes = [fleet.vehicles[i].footprint for i in (nearest.first, nearest.second)]
     if math.isinf(nearest.distance) or None in sizes:

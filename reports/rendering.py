@@ -7,7 +7,7 @@ from typing import Any
 
 from .escapes import c_comment, markdown_text, script_json, tex_text, yaml_text
 
-_TEX_MARKS: dict[str, Any] = {  # braces and per cent signs are LaTeX's own
+_TEX_MARKS: dict[str, Any] = {  # because LaTeX uses braces and per cent signs itself
     "block_start_string": "<%",
     "block_end_string": "%>",
     "variable_start_string": "<<",
@@ -18,12 +18,12 @@ _TEX_MARKS: dict[str, Any] = {  # braces and per cent signs are LaTeX's own
 
 
 def render(name: str, /, **values: Any) -> str:
-    """The template `name`.jinja filled in; HTML escapes by itself, the other languages by their filters."""
+    """The template `name`.jinja filled in. HTML is escaped automatically, other languages by their filters."""
     return str(_environment(name.endswith(".tex")).get_template(f"{name}.jinja").render(**values))
 
 
 def undefined_error() -> type[Exception]:
-    """The error of a template that misses a value."""
+    """The error for a missing value of a template."""
     from jinja2 import UndefinedError
 
     return UndefinedError

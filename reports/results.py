@@ -66,7 +66,7 @@ class DesignResult(ResultFile):
 
 
 class ToleranceResult(Part):
-    """What counts as settled."""
+    """The tolerance of settled."""
 
     position_m: float
     heading_rad: float

@@ -18,7 +18,7 @@ from ..tables.neighbours import neighbours
 from .casadi_source import ROBOT, control_source
 
 NAME = "gaincert_controller"
-LISTED = 200  # vehicles up to which the header lists the gains
+LISTED = 200  # the header lists the gains of at most so many vehicles
 TEST_NUMBERS = 12_000  # expected torques in the test program
 TEST_CASES = 100
 LARGEST_TIME = 1000.0  # s, in the test program
@@ -85,12 +85,12 @@ def _row(values: Any) -> str:
 
 
 def _number(value: Any) -> str:
-    """The shortest C literal of a double that reads back the same."""
+    """The shortest C literal that reads back as the same double."""
     return repr(float(value))
 
 
 def _test_cases(deployed: Deployment, plant: Plant) -> dict[str, Any]:
-    """Random states, as the C program draws them with its own generator, and the torques that Python computes there."""
+    """Random states, drawn as the C program draws them, and the torques that Python computes for them."""
     count = len(deployed.fleet)
     cases = max(1, min(TEST_CASES, TEST_NUMBERS // (2 * count)))
     t, state = sample_states(count, cases)

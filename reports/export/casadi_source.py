@@ -39,7 +39,7 @@ class _Inputs(NamedTuple):
 def control_source(excitation: Excitation, degrees: Iterable[int]) -> str:
     """Static C functions `casadi_torques_D` for every number of neighbours D, and the helpers that they call.
 
-    Raises UndecidedError if CasADi writes C that this module does not know: nothing unchecked is exported.
+    Raises UndecidedError if CasADi writes C that this module does not recognise: nothing unchecked is exported.
     """
     import casadi as ca
 
@@ -66,7 +66,7 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
     """(6) for the centre of a star: `control` of a fleet whose vehicle 0 has `degree` neighbours and no other link."""
     import casadi as ca
 
-    others = ca.SX(degree, 1)  # what vehicle 0 does not depend on
+    others = ca.SX(degree, 1)  # values that vehicle 0 does not depend on
 
     def of_centre(value: Any) -> Any:
         return ca.vertcat(value, others)
@@ -95,7 +95,7 @@ def _torques(excitation: Excitation, degree: int, inputs: _Inputs) -> tuple[Any,
     )
     x, y, theta = (of_all(k, inputs.own[k], inputs.pose) for k in range(3))
     state = State(x, y, theta, of_centre(inputs.own[3]), of_centre(inputs.own[4]))
-    saturation = Saturation(  # of the network, then of the vehicle
+    saturation = Saturation(  # two scales of the network, then two of the vehicle
         robot["position_scale"],
         robot["heading_scale"],
         of_centre(robot["speed_scale"]),
@@ -113,7 +113,7 @@ _HEAD = re.compile(
 )
 _READ = re.compile(r"arg\[(\d)\]\? arg\[\1\]\[(\d+)\] : 0")
 _LINE = re.compile(
-    r"  (double( a\d+,?)+;"  # declarations, which may go on in further lines
+    r"  (double( a\d+,?)+;"  # declarations, which may take several lines
     r"|a\d+=(-?\d+\.\d*(e[-+]\d+)?|\(?-?a\d+\)?|\(a\d+[-+*/]a\d+\)|(sin|cos|tanh|casadi_sq)\(a\d+\)|arg\[\d\]\[\d+\]);"
     r"|res\[[01]\]\[0\]=a\d+;)"
 )
@@ -136,7 +136,7 @@ def _cleaned(text: str, number: int, degree: int) -> str:
 
 
 def _plain_line(line: str) -> str:
-    """Without CasADi's types and null checks: every input and output is there."""
+    """The line without CasADi's types and null checks: every input and output is given."""
     line = line.replace("casadi_real", "double")
     line = re.sub(r"^  if \(res\[([01])\]!=0\) ", "  ", line)
     return _READ.sub(lambda found: f"arg[{found[1]}][{found[2]}]", line)

@@ -16,14 +16,14 @@ from ..tables.gain_table import COLUMNS, CONTROLLER, rows
 
 RUN_LOG = "mcap"  # the only format that exports a run; the others export gains
 INTERFACES = ("effort", "velocity")
-LONG_TABLE = 40  # rows from which the LaTeX table may break over pages
+LONG_TABLE = 40  # with more rows the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
 
 
 def export(folder: Path, kind: str, fleet_path: Path | None = None, interface: str = "effort") -> list[Path]:
     """Write one format of the results in a folder, each file whole or not at all. Raises InputError.
 
-    `interface` is what the ROS 2 node commands: wheel torques (effort) or twists (velocity).
+    `interface` is the command of the ROS 2 node: wheel torques (effort) or twists (velocity).
     """
     if kind not in (*FORMATS, RUN_LOG):
         raise InputError(f"format = {kind!r} is not known; choose one of {', '.join((*FORMATS, RUN_LOG))}")

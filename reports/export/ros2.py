@@ -49,7 +49,7 @@ def namespaces(names: list[str]) -> list[str]:
 
 
 def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list[str], i: int) -> dict[str, str]:
-    """Name -> YAML value for vehicle i. Names of ros2_control's diff_drive_controller where it has them."""
+    """Name -> YAML value for vehicle i. The names are those of ros2_control's diff_drive_controller, if it has them."""
     fleet, psi = deployed.fleet, deployed.excitation
     vehicle, links = fleet.vehicles[i], near.of(i)
     unit = 1 / math.pi if psi.over_pi else 1.0
@@ -79,14 +79,14 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
         "psi_cos": [unit * float(value) for value in psi.cos],
         **origin,
     }
-    # ROS takes no empty list: the node's default stands for it.
+    # ROS has no empty lists: leave the entry out and use the node's default.
     return {key: _yaml(value) for key, value in values.items() if value != []}
 
 
 def motion_parameters(deployed: Deployment) -> list[dict[str, str]]:
-    """Certified bounds of every vehicle's motion from rest, under the names that diff_drive_controller has for limits.
+    """Certified bounds of every vehicle's motion from rest, under diff_drive_controller's names for limits.
 
-    Rounded up, so that a base that allows them allows every commanded motion. A speed that is not bounded is left out.
+    Rounded up: a base that allows them allows every commanded motion. A speed without a bound is left out.
     """
     numbers = exact_numbers()
     bounds = motion_bounds(numbers, deployed.fleet.condition_data(deployed.excitation), deployed.gains)
@@ -109,6 +109,6 @@ def _yaml(value: Any) -> str:
     if isinstance(value, list):
         return "[" + ", ".join(map(_yaml, value)) + "]"
     if isinstance(value, float):
-        text = repr(value)  # ROS tells a double by its point
+        text = repr(value)  # ROS reads a number with a point as a double
         return text if "." in text else text.replace("e", ".0e")
     return yaml_text(value) if isinstance(value, str) else str(value)

@@ -1,4 +1,4 @@
-"""A run as logs that tools open: trajectory.mcap (Foxglove, Rerun) and trajectory.csv (PlotJuggler, spreadsheets)."""
+"""A run as logs for other tools: trajectory.mcap (Foxglove, Rerun) and trajectory.csv (PlotJuggler, spreadsheets)."""
 
 from __future__ import annotations
 
@@ -90,7 +90,7 @@ def write_mcap(file: IO[bytes], fleet: Fleet, run: Trajectory, labels: dict[str,
 
 
 def wheel_speeds(fleet: Fleet, run: Trajectory) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Left and right wheel speed of rolling, rad/s, (K, N) each: power in is torque times speed, as in (2)."""
+    """Left and right wheel speed when rolling, rad/s, (K, N) each. As in (2), power is torque times speed."""
     plant = fleet.plant()
     turning = plant.arm * run.state.omega
     return (run.state.v + turning) / plant.r, (run.state.v - turning) / plant.r

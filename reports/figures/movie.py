@@ -21,7 +21,7 @@ from .style import COLOURS, LABELLED, STYLE, plain, shown_vehicles
 
 FRAMES = {"gif": 150, "mp4": 450}
 PER_SECOND = {"gif": 15, "mp4": 30}
-SIZE, RESOLUTION = (7.2, 5.4), 100  # inches, dots per inch: both sides are even, as mp4 wants
+SIZE, RESOLUTION = (7.2, 5.4), 100  # inches, dots per inch: both sides are even, as mp4 requires
 
 Progress = Callable[[str, float], None]
 
@@ -56,7 +56,7 @@ def _pictures(fleet: Fleet, run: Trajectory, count: int, progress: Progress) -> 
         axis = figure.subplots()
         moving = _scene(axis, fleet, run, shown)
         canvas.draw()
-        figure.set_layout_engine("none")  # the layout is found; it is the slowest part of a frame
+        figure.set_layout_engine("none")  # the layout is fixed now; computing it is the slowest part of a frame
         frames = np.searchsorted(run.t, np.linspace(run.t[0], run.t[-1], count))
         for number, k in enumerate(frames):
             _move(moving, fleet, run, shown, int(k))
@@ -66,7 +66,7 @@ def _pictures(fleet: Fleet, run: Trajectory, count: int, progress: Progress) -> 
 
 
 def _scene(axis: Any, fleet: Fleet, run: Trajectory, shown: list[int]) -> dict[str, Any]:
-    """The axes with what stands still, and the artists that move."""
+    """The axes with all fixed artists, and the moving artists."""
     plant = fleet.plant()
     colours = [COLOURS[i % len(COLOURS)] for i in shown]
     goal = plant.leader_x + plant.offset_x[shown], plant.leader_y + plant.offset_y[shown]
@@ -89,7 +89,7 @@ def _scene(axis: Any, fleet: Fleet, run: Trajectory, shown: list[int]) -> dict[s
 
 
 def _move(moving: dict[str, Any], fleet: Fleet, run: Trajectory, shown: list[int], k: int) -> None:
-    """Put the artists where the vehicles are at stored point k."""
+    """Move the artists to the vehicles' places at stored point k."""
     x, y, theta = (values[k] for values in run.state[:3])
     graph, unit = fleet.graph, moving["unit"]
     gaps = np.full(graph.edges, np.nan)  # between one link and the next
@@ -117,7 +117,7 @@ def _gif(pictures: Iterator[NDArray[np.uint8]], file: Any) -> None:
 
 
 def _mp4(pictures: Iterator[NDArray[np.uint8]], file: Any, ffmpeg: str) -> None:
-    """Pipe raw pictures through ffmpeg; an mp4 is not written in one go, so it goes by a file of its own."""
+    """Pipe raw pictures through ffmpeg into a temporary file, because an mp4 is not written in one pass."""
     width, height = (round(side * RESOLUTION) for side in SIZE)
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(PER_SECOND["mp4"]), "-i", "-"]
     with tempfile.TemporaryDirectory() as folder:
@@ -130,7 +130,7 @@ def _mp4(pictures: Iterator[NDArray[np.uint8]], file: Any, ffmpeg: str) -> None:
                     pipe.write(picture.tobytes())
                 pipe.close()
             except BrokenPipeError:
-                pass  # ffmpeg says why
+                pass  # ffmpeg's own message gives the reason
         if process.returncode:
             reason = log.read_text(errors="replace").strip().splitlines()
             raise UndecidedError(f"--animate mp4: ffmpeg failed: {reason[-1] if reason else process.returncode}")

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 POINTS = 1500  # drawn per line
-FLOOR = 1e-6  # of a logarithmic axis
+FLOOR = 1e-6  # lower end of a logarithmic axis
 
 
 def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path, origin: str = "") -> list[Path]:
@@ -52,7 +52,7 @@ def write_figures(fleet: Fleet, runs: Mapping[str, Trajectory], folder: Path, or
 
 
 def _paths(axis: Any, fleet: Fleet, run: Trajectory) -> None:
-    """Figures 3 and 4: where each vehicle went, with its heading at the start and at the end."""
+    """Figures 3 and 4: the path of each vehicle, with its heading at the start and at the end."""
     keep, unit = _thinned(len(run.t)), float(max(np.ptp(run.state.x), np.ptp(run.state.y))) / 20
     for i in shown_vehicles(len(fleet)):
         colour = COLOURS[i % len(COLOURS)]
@@ -104,7 +104,7 @@ def _cross_track(axis: Any, fleet: Fleet, run: Trajectory) -> None:
     later = run.t > run.t[-1] / 300
     if not later.any():
         return  # a run of one point
-    # The excitation makes the error swing through 0: what decays is its envelope.
+    # The excitation makes the error swing through 0; its envelope decays.
     t, peaks = _peaks(run.t[later], size[later], np.geomspace)
     envelope = np.maximum(np.maximum.accumulate(peaks[::-1])[::-1], FLOOR)
     for i in shown_vehicles(len(fleet)):
@@ -133,7 +133,7 @@ def _torques(axis: Any, fleet: Fleet, run: Trajectory) -> None:
 
 
 def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
-    """V of (17), which never rises, and W of (19), which does."""
+    """V of (17), which never rises, and W of (19), which may."""
     keep = _thinned(len(run.t))
     for values, name, colour in ((run.V, "V (17)", COLOURS[0]), (run.W, "W (19)", COLOURS[1])):
         axis.plot(run.t[keep], np.maximum(values[keep], FLOOR), color=colour, lw=0.9, label=name)
@@ -141,7 +141,7 @@ def _energies(axis: Any, _: Fleet, run: Trajectory) -> None:
 
 
 def _legend(figure: Any, axis: Any) -> None:
-    """One legend below all panels, where the lines are few enough to be told apart."""
+    """One legend below all panels, if the lines are few enough to tell apart."""
     handles, labels = axis.get_legend_handles_labels()
     if not 0 < len(handles) <= LABELLED:
         return

@@ -16,7 +16,7 @@ BINS = 30
 
 
 def write_settling(times: Sequence[float | None], folder: Path, origin: str = "") -> list[Path]:
-    """settling.svg and .png: how many starts settle when, and how many do not (None)."""
+    """settling.svg and .png: a histogram of the settling times; None counts as not settled."""
     import matplotlib as mpl
     from matplotlib.figure import Figure
 
@@ -51,7 +51,7 @@ def write_designs(designs: list[DesignRow], folder: Path) -> list[Path]:
     from matplotlib.figure import Figure
 
     finite = [time for design in designs for time in design.times if math.isfinite(time)]
-    beyond = 1.15 * max(finite, default=1.0)  # where a start that does not settle is drawn
+    beyond = 1.15 * max(finite, default=1.0)  # place of a start that does not settle
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(6.8, 1.2 + 0.55 * len(designs)))
         axis = figure.subplots()

@@ -1,4 +1,4 @@
-"""How all figures look: colours, labels, names, file formats, and which vehicles of a large fleet are drawn."""
+"""The style of all figures: colours, labels, names, file formats, and the vehicles drawn of a large fleet."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ import numpy as np
 
 from ...models.files.text import write_whole
 
-LABELLED = 10  # fleets up to this size are labelled vehicle by vehicle
+LABELLED = 10  # in fleets up to this size every vehicle has a label
 DRAWN = 60  # vehicles of a large fleet that are drawn
-LONGEST_NAME = 20  # characters of a vehicle's name that are drawn
+LONGEST_NAME = 20  # most characters of a vehicle's name
 
 STYLE = {
     "font.size": 9,
@@ -33,7 +33,7 @@ def shown_vehicles(count: int, most: int = DRAWN) -> list[int]:
 
 
 def save(figure: Any, path: Path, origin: str = "") -> list[Path]:
-    """Write a figure as SVG and PNG, the same bytes for the same data; `origin` says what it belongs to."""
+    """Write a figure as SVG and PNG, the same bytes for the same data; `origin` states its fleet and gains."""
     metadata = {"svg": {"Date": None, "Description": origin}, "png": {"Software": None, "Description": origin}}
     return [
         write_whole(
@@ -51,6 +51,6 @@ def belongs(path: Path, origin: str) -> bool:
 
 
 def plain(name: str) -> str:
-    """A name that matplotlib does not read as mathematics and that fits beside a line."""
+    """A name that fits beside a line, and that matplotlib does not read as mathematics."""
     shown = "".join(c if c.isprintable() else "?" for c in name)
     return (shown if len(shown) <= LONGEST_NAME else shown[: LONGEST_NAME - 1] + "…").replace("$", r"\$")

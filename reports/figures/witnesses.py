@@ -17,7 +17,7 @@ def write_witness_figures(folder: Path) -> list[Path]:
 
 
 def _energy(path: Path) -> Path:
-    run, energy = rising_energy(0.05)  # the rise lasts 0.015 s; then vehicle 2 is fast, too
+    run, energy = rising_energy(0.05)  # the rise lasts 0.015 s; then vehicle 2 is fast as well
     figure, (top, bottom) = _axes()
     top.plot(run.t, energy, color="#b3322e")
     top.set_ylabel("W")

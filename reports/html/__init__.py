@@ -1,1 +1,1 @@
-"""report.html: one page of all that lies in an output folder."""
+"""report.html: one page with all results of an output folder."""

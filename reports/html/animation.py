@@ -1,4 +1,4 @@
-"""The data of the animation in the report: a run thinned to the frames that show it, as small integers."""
+"""The data of the animation in the report: a run thinned to its important frames, as small integers."""
 
 from __future__ import annotations
 
@@ -15,15 +15,15 @@ from ..figures.style import shown_vehicles
 
 POSES = 60_000  # frames times vehicles
 FRAMES = (150, 1500)  # fewest and most
-EVEN = 0.3  # of the frames are spread evenly in time, the others go where the fleet moves
-TURN = 0.5  # rad that count as much as a twentieth of the picture
+EVEN = 0.3  # share of the frames that is spread evenly in time; the others are where the fleet moves
+TURN = 0.5  # rad of turning that count as much as a twentieth of the picture's side
 RESOLUTION = 4000  # steps across the picture
 ANGLE = 1e-3  # rad
 RATIO = 1e-4  # of a torque limit
 
 
 def animation_data(fleet: Fleet, run: Trajectory) -> dict[str, Any]:
-    """What the page's script reads: frame by frame the vehicles in turn, lengths in `unit` m from the leader."""
+    """The data for the page's script: frame by frame, vehicle by vehicle, lengths in `unit` m from the leader."""
     shown = shown_vehicles(len(fleet))
     frames = frame_indices(run, shown, POSES // len(shown))
     plant = fleet.plant()
@@ -52,7 +52,7 @@ def animation_data(fleet: Fleet, run: Trajectory) -> dict[str, Any]:
 
 
 def frame_indices(run: Trajectory, shown: list[int], most: int) -> NDArray[np.int64]:
-    """Stored points to show: dense where the vehicles move and turn, so that straight lines between them do."""
+    """Stored points to show: dense while the vehicles move and turn, so that straight lines between them are enough."""
     wanted = int(np.clip(most, *FRAMES))
     if len(run.t) <= wanted:
         return np.arange(len(run.t))

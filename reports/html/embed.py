@@ -1,4 +1,4 @@
-"""What goes into one HTML file: figures as data, MathML that can be nothing else, and what a script may be."""
+"""Content embedded in one HTML file: figures as data, cleaned MathML, and the hash that allows a script."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from pathlib import Path
 from typing import Any
 from xml.etree.ElementTree import Element, ParseError, tostring
 
-SVG_BYTES = 400_000  # up to which a figure is inlined as SVG; above, its PNG is
+SVG_BYTES = 400_000  # a larger figure is inlined as PNG
 FIGURE_BYTES = 2_000_000  # of all figures together
 MATHML = frozenset(  # elements of presentation MathML that carry formulas
     ("math", "mrow", "mi", "mn", "mo", "mtext", "mspace", "mfrac", "msqrt", "mroot")
 ) | frozenset(("msub", "msup", "msubsup", "munder", "mover", "munderover"))
-_NAMED = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z]+;")  # characters that HTML knows by name and XML does not
+_NAMED = re.compile(r"&(?!(?:amp|lt|gt|quot|apos);)[A-Za-z]+;")  # characters named in HTML but not in XML
 
 
 def figure_data(paths: list[Path]) -> list[str | None]:
@@ -38,7 +38,7 @@ def _smallest(path: Path, room: int) -> tuple[str, bytes] | None:
 
 
 def safe_mathml(text: Any) -> Any:
-    """MathML of a file, rebuilt from its element names and text alone; the text itself where it is not MathML."""
+    """MathML from a file, rebuilt from element names and text only; other text is returned as text."""
     from defusedxml.common import DefusedXmlException
     from defusedxml.ElementTree import fromstring
     from markupsafe import Markup, escape

@@ -1,4 +1,4 @@
-"""report.html: one file, no network, with all that lies in a folder."""
+"""report.html: one file, without network, with all results of a folder."""
 
 from __future__ import annotations
 
@@ -50,27 +50,32 @@ CAPTIONS = {
     "figures/witness_bang_bang": "Witness: under a bounded push the turn rate grows without bound, though (15) holds.",
     "proof_graph": "What rests on what in the proof.",
 }
-OF_ANY = ("figures/designs", "figures/witness_energy", "figures/witness_bang_bang", "proof_graph")  # of no single gains
+OF_ANY = (
+    "figures/designs",
+    "figures/witness_energy",
+    "figures/witness_bang_bang",
+    "proof_graph",
+)  # figures that do not belong to one set of gains
 
 
 @dataclass(frozen=True)
 class Page:
-    """All that the template shows."""
+    """The values that the template shows."""
 
     title: str
     verdicts: list[Verdict]
     design: DesignResult | None
     rates: dict[str, Any]  # of the certificate
-    gains: list[tuple[GainRow, float]]  # and the share of the torque limit that is used, per cent
+    gains: list[tuple[GainRow, float]]  # with the used share of the torque limit, per cent
     hidden: int  # vehicles that the gain table leaves out
     conditions: list[ConditionRow]
     designs: list[DesignRow]
     design_headings: dict[str, str]
     robots: list[RobotSummary]
-    robot_note: str | None  # on centres of mass
+    robot_note: str | None  # about centres of mass
     times: str  # measured by the design
     animation: dict[str, Any] | None
-    missing_fleet: bool  # there is a run, and no fleet to draw it with
+    missing_fleet: bool  # there is a run, but no fleet to draw it
     script: Any
     script_hash: str
     figures: list[dict[str, str]]
@@ -82,7 +87,7 @@ class Page:
 def write_report(folder: Path, fleet_path: Path | None = None) -> Path:
     """Write DIR/report.html from the files in DIR that belong together. Raises InputError if there are none.
 
-    The fleet is read from the file that is given, else from the folder's copy; without either there is no animation.
+    The fleet is read from the given file, else from the folder's copy; without either there is no animation.
     """
     results = read_results(folder)
     if results.empty:
@@ -108,7 +113,7 @@ def _page(results: Results, fleet: Fleet | None) -> Page:
     current = deployed.digests if deployed else current_digests(folder)
     stale = stale_files(folder, current) if current else []
     results = results.without(stale)
-    run = _trajectory_of(folder, fleet)  # a damaged one is an error, stale or not
+    run = _trajectory_of(folder, fleet)  # a damaged file is an error, even if it is stale
     run = None if "trajectory.npz" in stale else run
     draw_figures(results, fleet, run, str(current or ""))
     gains, script = _gain_rows(folder, deployed), _script()
@@ -150,14 +155,14 @@ def _title(results: Results, fleet: Fleet | None) -> str:
 
 
 def _rates(certificate: dict[str, Any] | None, verdicts: list[Verdict]) -> dict[str, Any]:
-    """The certified rates, of a certificate that the kernel has just accepted and of no other."""
+    """The certified rates, only from a certificate that the kernel has just accepted."""
     if certificate and any(verdict.good and verdict.title == CERTIFIED for verdict in verdicts):
         return dict(certificate["rates"])
     return {"gamma_omega": None, "gamma_v": None}
 
 
 def _trajectory_of(folder: Path, fleet: Fleet | None) -> Trajectory | None:
-    """The trajectory of the folder, where it is of as many vehicles as the fleet."""
+    """The trajectory of the folder, if it has as many vehicles as the fleet."""
     path = folder / "trajectory.npz"
     run = read_trajectory(path) if path.is_file() else None
     matches = run is not None and fleet is not None and run.state.x.shape[1] == len(fleet)
@@ -165,7 +170,7 @@ def _trajectory_of(folder: Path, fleet: Fleet | None) -> Trajectory | None:
 
 
 def draw_figures(results: Results, fleet: Fleet | None, run: Trajectory | None, origin: str) -> None:
-    """The figures that need more than one verb's files, and those of a run that has none of its own."""
+    """Draw the figures that need files of several verbs, and those of a run without figures."""
     from ..figures.run_figures import write_figures
     from ..figures.settling_times import write_designs, write_settling
 
@@ -179,15 +184,15 @@ def draw_figures(results: Results, fleet: Fleet | None, run: Trajectory | None, 
 
 
 def _gain_rows(folder: Path, deployed: Deployment | None) -> list[GainRow]:
-    """The gain table, computed where the fleet is known, else as gains.csv has it."""
+    """The gain table: computed if the fleet is known, else from gains.csv."""
     if deployed:
         return rows(deployed.fleet, deployed.excitation, deployed.gains)
     path = folder / "gains.csv"
     if not path.is_file():
         return []
-    # Not splitlines: a name may hold what Unicode calls a line separator.
+    # Not splitlines: a name may hold a Unicode line separator.
     table = csv.DictReader(io.StringIO(read_text(path, MAX_CSV_BYTES), newline=""))
-    unit = dict.fromkeys(SCALES, "1")  # of a table without scales
+    unit = dict.fromkeys(SCALES, "1")  # for a table without scales
     return [GainRow(*({**unit, **row}[key] for key in COLUMNS)) for row in table]
 
 
@@ -202,7 +207,7 @@ def _times(design: DesignResult | None) -> str:
 
 
 def _figures(folder: Path, origin: str) -> list[dict[str, str]]:
-    """The figures that belong to the rest."""
+    """The figures that belong to the other results."""
     shown = {name: caption for name, caption in CAPTIONS.items() if name in OF_ANY or belongs(folder / name, origin)}
     data = figure_data([folder / name for name in shown])
     return [
@@ -213,7 +218,7 @@ def _figures(folder: Path, origin: str) -> list[dict[str, str]]:
 
 
 def _groups(claims: list[ClaimResult]) -> list[dict[str, Any]]:
-    """The claims by status, what is false first, with their formulas as markup that can be nothing else."""
+    """The claims by status, false ones first, with their formulas as cleaned MathML."""
     groups = []
     for status in STATUSES:
         members = [claim for claim in claims if claim.status == status]

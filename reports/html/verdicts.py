@@ -1,4 +1,4 @@
-"""The tiles that head the report: what is true of the files in a folder, of which run, and what is not."""
+"""The tiles at the top of the report: verdicts about the files in a folder."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ class Verdict(NamedTuple):
     good: bool
     title: str
     text: str
-    facts: tuple[str, ...] = ()  # details that can be opened
+    facts: tuple[str, ...] = ()  # details that the reader can open
     heading: str = "what is proved"  # of the details
 
 
 def certificate_verdict(folder: Path, fleet: Fleet | None) -> tuple[list[Verdict], Deployment | None]:
-    """What the kernel says of the folder's certificate now, and what can be deployed where all belongs together."""
+    """The kernel's verdict on the folder's certificate, and the deployment if all files match."""
     path = folder / "certificate.json"
     if fleet is None:
         return ([_kernel(path)] if path.is_file() else []), None
@@ -54,7 +54,7 @@ def _kernel(path: Path) -> Verdict:
 
 
 def stale_verdict(names: list[str]) -> list[Verdict]:
-    """A warning that names what is left out of the report."""
+    """A warning that names the files left out of the report."""
     return [Verdict(False, "Left out of this report", say_stale(names))] if names else []
 
 
@@ -115,12 +115,12 @@ def _spread_text(spread: SpreadResult) -> str:
 
 
 def in_words(said: dict[str, Any] | None) -> str:
-    """A disturbance of a JSON file, for a reader. Raises TypeError if it is none."""
+    """A disturbance from a JSON file, in words. Raises TypeError for anything else."""
     return Disturbance(**(said or {})).in_words()
 
 
 def proof_verdict(claims: list[ClaimResult]) -> list[Verdict]:
-    """Whether the corrected theorem is proved, and what that says of the paper."""
+    """Whether the corrected theorem is proved, and the verdicts on the paper's statements."""
     if not claims:
         return []
     counts = Counter(claim.status for claim in claims)

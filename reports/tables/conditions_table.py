@@ -8,18 +8,18 @@ from typing import NamedTuple
 from ...models.conditions import CONDITION_SETS, Inequality, exact_numbers
 from ..deployment import Deployment
 
-MOST = 2000  # vehicles up to which all sets are evaluated exactly
+MOST = 2000  # only fleets up to so many vehicles get this table
 
 
 class ConditionRow(NamedTuple):
-    """One condition set: whether the gains meet it, and where it is tightest."""
+    """One condition set: whether the gains meet it, and its tightest condition."""
 
     name: str
-    theorem: str  # what the set is sufficient for
+    theorem: str  # the theorem that the set is sufficient for
     conditions: str  # their equation numbers
     holds: bool
     requested: bool  # the set that the gains were designed or certified for
-    used: float  # the smaller side of the tightest condition over the larger one
+    used: float  # small / large of the tightest condition
     where: str  # the tightest condition and its vehicle
 
 

@@ -1,4 +1,4 @@
-"""What a controller can ask of every robot, against its motor and friction, and the speeds that it keeps."""
+"""The largest demands of a controller on every robot, compared with motor and friction, and its certified speeds."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ SHOWN = 20  # vehicles on a terminal
 
 
 class DemandRow(NamedTuple):
-    """One vehicle under its controller; nominal, where only intervals are known."""
+    """One vehicle under its controller; nominal values for intervals."""
 
     vehicle: str
     motor: float  # N m, the smaller torque limit of both wheels
     friction: float  # N m, Coulomb friction at every wheel, of the [disturbance] table
-    torque: float  # N m, T of (16*), which no torque exceeds
+    torque: float  # N m, T of (16*), the bound of all torques
     stops_within: float  # m, along-track error at which friction outweighs the controller; inf: everywhere
     speed: float  # m/s, certified bound from rest; inf: none
     turn_rate: float  # rad/s, the same
@@ -51,7 +51,7 @@ def demand_rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[Dema
 
 
 def coulomb(fleet: Fleet) -> float:
-    """Coulomb friction at every wheel, N m; 0 where the fleet file says nothing."""
+    """Coulomb friction at every wheel, N m; 0 unless the fleet file gives it."""
     return float(fleet.disturbance.coulomb) if fleet.disturbance else 0.0
 
 
@@ -60,7 +60,7 @@ def _atanh(share: float) -> float:
 
 
 def for_terminal(rows: list[DemandRow]) -> TerminalTable:
-    """The first rows for a terminal; friction where there is some."""
+    """The first rows for a terminal; with a friction column if there is friction."""
     headings = ["vehicle", "torque / N m", "motor / N m"]
     rubbing = any(row.friction for row in rows)
     headings += ["friction / N m", "stops within / m"] if rubbing else []

@@ -1,4 +1,4 @@
-"""Designs side by side: the one of a folder and those of the folders in it."""
+"""Designs side by side: the design of a folder and those of its subfolders."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ HEADINGS = {  # of the columns, in order; the keys are fields of DesignRow
     "peak": "peak torque",
     "speed": "top speed",
 }
-IN_NAMES = ("conditions", "psi", "weights")  # what the names of compared folders say already
+IN_NAMES = ("conditions", "psi", "weights")  # columns that the names of compared folders repeat
 
 
 class DesignRow(NamedTuple):
@@ -44,7 +44,7 @@ class DesignRow(NamedTuple):
 
 
 def design_rows(folder: Path) -> list[DesignRow]:
-    """One row per folder that holds a design.json or a validation.json, if there are several."""
+    """One row per folder with a design.json or a validation.json, if there are several such folders."""
     places = [folder, *sorted(path for path in folder.glob("*") if path.is_dir())]
     found = [place for place in places if any((place / f"{name}.json").is_file() for name in ("design", "validation"))]
     if len(found) < 2:

@@ -1,4 +1,4 @@
-"""What `gaincert check` says of a fleet."""
+"""The summary of a fleet for `gaincert check`."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from typing import Any
 from ...models.fleet import Fleet
 from .gain_table import decimal
 
-EXACT_VEHICLES = 30  # up to here Lemma 1 is shown by the exact L D L^T as well
+EXACT_VEHICLES = 30  # up to this size Lemma 1 is also checked by the exact L D L^T
 
 
 def fleet_summary(fleet: Fleet) -> dict[str, Any]:
-    """Name -> value: the fleet, its graph, psi, and what may surprise."""
+    """Name -> value: the fleet, its graph, psi, and notes on surprising entries."""
     graph, psi = fleet.graph, fleet.psi
     led = sum(1 for weight in graph.leader_weight if weight)
     summary: dict[str, Any] = {

@@ -17,13 +17,13 @@ from ...models.gains import GAIN_NAMES, Gains
 from ...models.numbers import decimal_text
 from .terminal import TerminalTable
 
-DIGITS = 8  # of a torque bound, rounded up
+DIGITS = 8  # significant digits of a torque bound, rounded up
 SHOWN = 20  # vehicles in the table on a terminal
 HEADINGS = {"torque_bound": "bound", "torque_limit": "limit", "speed_scale": "s", "turn_rate_scale": "o"}
 
 
 class GainRow(NamedTuple):
-    """One vehicle: gains as exact decimal texts, torques (N m) as rounded ones."""
+    """One vehicle: gains as exact decimal texts, torques (N m) as rounded texts."""
 
     vehicle: str
     p_v: str
@@ -36,7 +36,7 @@ class GainRow(NamedTuple):
     speed_scale: str  # m/s
     turn_rate_scale: str  # rad/s
     torque_bound: str  # T of (16*), rounded up
-    torque_limit: str  # the smaller one of both wheels
+    torque_limit: str  # the smaller limit of both wheels
     margin: str  # rounded down
 
 
@@ -65,7 +65,7 @@ def rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[GainRow]:
 
 
 def decimal(value: Fraction, rounding: str, digits: int = DIGITS) -> str:
-    """A fraction as a plain decimal of `digits` significant digits, rounded in the direction asked for."""
+    """A fraction as a plain decimal of `digits` significant digits, rounded in the given direction."""
     context = Context(prec=digits, rounding=rounding)
     return f"{context.divide(Decimal(value.numerator), Decimal(value.denominator)):f}"
 
@@ -78,7 +78,7 @@ def write_csv(path: Path, table: list[GainRow]) -> Path:
 
 
 def for_terminal(table: list[GainRow]) -> TerminalTable:
-    """The first rows for a terminal; the scales where they are not all 1."""
+    """The first rows for a terminal; with scales if they are not all 1."""
     unit = all(getattr(row, key) == "1" for row in table for key in SCALES)
     network = "" if unit else f"; scales: position {table[0].position_scale} m, heading {table[0].heading_scale} rad"
     keys = [key for key in COLUMNS if key not in (SCALES if unit else NETWORK_SCALES)]

@@ -1,4 +1,4 @@
-"""The graph vehicle by vehicle: what each one has to hear."""
+"""The graph vehicle by vehicle: the neighbours that each one hears."""
 
 from __future__ import annotations
 

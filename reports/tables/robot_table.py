@@ -1,4 +1,4 @@
-"""What every robot of a fleet is taken to be, each number with its source."""
+"""The numbers used for every robot of a fleet, each with its source."""
 
 from __future__ import annotations
 
@@ -33,19 +33,19 @@ class Entry(NamedTuple):
 
 @dataclass(frozen=True)
 class RobotSummary:
-    """What vehicles with the same numbers are taken to be."""
+    """The numbers of vehicles that are the same robot."""
 
     vehicles: tuple[str, ...]
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
-        """As the document of `check` has it."""
+        """The entry in the JSON document of `check`."""
         numbers = [entry._asdict() for entry in self.entries]
         return {"vehicles": list(self.vehicles), "numbers": numbers, "warnings": list(self.warnings)}
 
     def lines(self) -> Iterator[str]:
-        """As `check` prints it."""
+        """The lines that `check` prints."""
         names = ", ".join(self.vehicles[:6]) + (f" and {len(self.vehicles) - 6} more" if len(self.vehicles) > 6 else "")
         yield f"robot {names}"
         for entry in self.entries:
@@ -53,7 +53,7 @@ class RobotSummary:
 
 
 def robot_summaries(read: FleetFile) -> list[RobotSummary]:
-    """The robots of a fleet file; vehicles that are the same robot come together, in file order."""
+    """The robots of a fleet file, in file order; vehicles that are the same robot share an entry."""
     groups: dict[tuple[tuple[Entry, ...], tuple[str, ...]], list[str]] = {}
     robots = read.robots or (None,) * len(read.fleet)
     for vehicle, robot in zip(read.fleet.vehicles, robots, strict=True):
@@ -99,7 +99,7 @@ def _entries(fleet: Fleet, vehicle: Vehicle, robot: Robot | None) -> Iterator[En
 
 
 def _source(robot: Robot | None, key: str, part: str = "") -> str:
-    """Where a key of the fleet file comes from; `part` is its name in the description where that differs."""
+    """The source of a key of the fleet file; `part` is its name in the description if that differs."""
     described = robot.description.numbers.get(part or key) if robot and key not in robot.given else None
     return f"{robot.description.path.name}: {described.source}" if robot and described else "fleet file"
 

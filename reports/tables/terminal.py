@@ -1,4 +1,4 @@
-"""Tables on a terminal: where the columns do not fit side by side, the table goes on below with its first column."""
+"""Tables on a terminal: columns that do not fit continue below, with the first column repeated."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class TerminalTable:
     caption: str | None = None
 
     def __rich_console__(self, console: Console, options: ConsoleOptions) -> Iterator[Table]:
-        """As few tables below each other as the width allows."""
+        """As few tables below each other as the width permits."""
         blocks = self.blocks(options.max_width)
         for number, columns in enumerate(blocks):
             yield self._table(columns, self.caption if number == len(blocks) - 1 else None)
