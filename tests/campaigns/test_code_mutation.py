@@ -1,4 +1,4 @@
-"""The mutants of `benchmarks/mutation.py`: what is changed, what is left out, and that no argument is out of date."""
+"""The campaign code_mutation.py: its changes, what it leaves out, and that every argument is up to date."""
 
 import ast
 import sys
@@ -6,7 +6,7 @@ import types
 
 import pytest
 
-from tests.campaigns import mutation
+from tests.campaigns import code_mutation as mutation
 
 SOURCE = '''
 """A docstring."""
