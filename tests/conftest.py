@@ -1,6 +1,6 @@
 """The fleets, gains, excitations and states over which laws are tested: every graph family, both drives, both schemes.
 
-Also the tools that some tests need: `@pytest.mark.needs("ffmpeg")` skips a test where ffmpeg is missing and says what
+Also the tools that some tests need: `@pytest.mark.needs("ffmpeg")` skips a test if ffmpeg is missing and says what
 to install. With CI=true in the environment any other skipped test is a failure.
 """
 

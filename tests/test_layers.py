@@ -32,7 +32,7 @@ def module_of(path: Path, root: Path = ROOT) -> tuple[str, ...]:
 
 
 def imports_of(path: Path, modules: set[tuple[str, ...]], root: Path = ROOT) -> set[tuple[str, ...]]:
-    """The modules of ours that a file imports, also under TYPE_CHECKING and inside functions."""
+    """Our own modules that a file imports, also under TYPE_CHECKING and inside functions."""
     package = path.relative_to(root).parent.parts
     found = set()
     for node in ast.walk(ast.parse(path.read_text())):
@@ -44,7 +44,7 @@ def imports_of(path: Path, modules: set[tuple[str, ...]], root: Path = ROOT) -> 
 
 
 def circle(imports: dict[tuple[str, ...], set[tuple[str, ...]]]) -> list[tuple[str, ...]]:
-    """A circle of imports, empty where there is none."""
+    """A circle of imports, empty without one."""
     done: set[tuple[str, ...]] = set()
 
     def visit(module: tuple[str, ...], path: list[tuple[str, ...]]) -> list[tuple[str, ...]]:

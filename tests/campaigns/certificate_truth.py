@@ -12,7 +12,7 @@ mp.mp.dps = 80
 
 
 def statement_is_true(document: dict[str, Any], original: dict[str, Any]) -> bool:
-    """Whether all that a changed certificate states holds in truth; fleet and digest must be the original ones."""
+    """Whether all statements of a changed certificate are true; fleet and digest must be the original ones."""
     unchanged = ("schema", "digest", "fleet")
     if any(json.dumps(document[key]) != json.dumps(original[key]) for key in unchanged):
         return False

@@ -1,7 +1,7 @@
-"""Mutants of a module: its syntax tree with one small change, each with words that tell it from others.
+"""Mutants of a module: its syntax tree with one small change, described in words that identify it.
 
-Changed are comparisons, arithmetic, and/or, not, minus, numbers (by one), truth values, texts, conditions, min/max,
-any/all and their like, f(x) to x, what is returned to None; calls, raise, continue and break are left out.
+Changes: comparisons, arithmetic, and/or, not, minus, numbers (by one), truth values, texts, conditions, min/max,
+any/all and their like, f(x) to x, returned values to None; calls, raise, continue and break are removed.
 
 Not changed: docstrings, annotations, decorators, texts with a blank in them, f-strings, the arguments of exceptions and
 of refusals, `zip(strict=)`, imports, and blocks under `if __name__ == "__main__"` and `if TYPE_CHECKING`.
@@ -80,7 +80,7 @@ def _below(parent: ast.AST, function: str, *, inside: bool) -> Iterator[Mutant]:
 
 
 def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:
-    """The nodes below one that are code: what is left out is in the docstring of this module."""
+    """The child nodes that are changed; the docstring of this module lists the others."""
     for field, value in ast.iter_fields(parent):
         if field in ("annotation", "returns", "decorator_list") or isinstance(parent, ast.JoinedStr):
             continue
@@ -112,7 +112,7 @@ def _put(parent: ast.AST, field: str, place: int | None, node: ast.AST) -> None:
 
 
 def _change(parent: ast.AST, field: str, place: int | None, node: ast.AST, new: ast.AST) -> str:
-    """The change in words: a constant or a name with what it stands in, so that it can be told from others."""
+    """The change in words: a constant or a name together with its expression, to identify it."""
     if not isinstance(node, (ast.Constant, ast.Name)):
         return f"{_shown(node)} -> {_shown(new)}"
     before = _shown(parent)
@@ -134,7 +134,7 @@ def _with(node: ast.AST, **changed: Any) -> Any:
 
 
 def _others(node: ast.AST, *, condition: bool) -> Iterator[ast.AST]:
-    """What may stand in place of a node."""
+    """The replacements for a node."""
     if condition and isinstance(node, ast.expr) and not isinstance(node, (ast.Compare, ast.UnaryOp)):
         yield ast.UnaryOp(ast.Not(), node)
     match node:

@@ -147,7 +147,7 @@ def _codes(code: CodeType) -> Iterator[CodeType]:
 
 
 def _functions(module: ModuleType) -> Iterator[FunctionType]:
-    """Those that the module's own text defines, at its top level or in its classes."""
+    """The functions that the module itself defines, at its top level or in its classes."""
     for owner in (module, *(value for value in vars(module).values() if isinstance(value, type))):
         for value in vars(owner).values():
             function = getattr(value, "fget", value)
@@ -167,7 +167,7 @@ def import_instead(name: str, tree: ast.Module) -> None:
 
 
 def outcome(work: Callable[[], bool], seconds: float) -> str:
-    """What becomes of a mutant: `work`, in a process of its own, says whether the tests pass."""
+    """The outcome for a mutant: `work` runs in its own process and returns whether the tests pass."""
     child = os.fork()
     if child == 0:
         signal.alarm(max(1, round(seconds)))  # whoever does not end by then is ended by SIGALRM
@@ -255,7 +255,7 @@ def anew(target: Target, name: str, tree: ast.Module, mutant: Mutant, folder: st
 
 
 def outcomes(target: Target, tree: ast.Module, found: list[Mutant]) -> Iterator[tuple[Mutant, str]]:
-    """What becomes of each mutant, as it is known."""
+    """The outcome for each mutant, as soon as it is known."""
     name = f"gaincert.{target.module}"
     inside, outside = ([mutant for mutant in found if mutant.inside == kind] for kind in (True, False))
     with tempfile.TemporaryDirectory() as folder:
@@ -267,7 +267,7 @@ def outcomes(target: Target, tree: ast.Module, found: list[Mutant]) -> Iterator[
 
 
 def _from_child(work: Callable[[Callable[[Any], Any]], Any]) -> Iterator[Any]:
-    """What `work`, in a process of its own, reports: so that nothing that it imports stays here."""
+    """The reports of `work`, which runs in its own process so that its imports do not stay here."""
     receive, send = os.pipe()
     child = os.fork()
     if child == 0:
@@ -286,7 +286,7 @@ def _from_child(work: Callable[[Callable[[Any], Any]], Any]) -> Iterator[Any]:
 
 
 def measure(key: str) -> tuple[str, list[tuple[Mutant, str]]]:
-    """A row of the table, and the survivors of a module with what is argued for each ("" where nothing is)."""
+    """A row of the table, and the survivors of a module with the argument for each ("" without one)."""
     target = TARGETS[key]
     path = ROOT / (target.module.replace(".", "/") + ".py")
     tree = ast.parse(path.read_text())
@@ -306,7 +306,7 @@ def measure(key: str) -> tuple[str, list[tuple[Mutant, str]]]:
 
 
 def main() -> int:
-    """Print the table; 1 where a survivor is not argued or an argument has no survivor."""
+    """Print the table. Returns 1 if a survivor is not argued or an argument has no survivor."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
         "modules", nargs="*", metavar="MODULE", help=f"of {', '.join(TARGETS)}; all where none is given"

@@ -1,9 +1,9 @@
-"""What kills and interrupts leave behind: files, processes and words of three commands, and whether a rerun completes.
+"""Kills and interrupts three commands, then checks files, processes and messages, and whether a rerun completes.
 
     python tests/campaigns/faults.py [--rounds N] [--seed K] [--commands run design validate]
 
 Every round ends a command at a random moment (SIGKILL or SIGINT; to all its processes, to the parent or to one
-worker), looks at what is left, and runs the same command again in the same folder. Exit code 1 when anything is not
+worker), checks what is left, and runs the same command again in the same folder. Exit code 1 if any round is not
 clean. Linux only: processes are found in /proc.
 """
 
@@ -76,7 +76,7 @@ FAULTS = (
 
 @dataclass
 class Round:
-    """What one fault left behind; all that is wrong is listed."""
+    """The result of one fault, with a list of everything that is wrong."""
 
     code: int = 0
     hit: bool = False  # the command was still running
@@ -141,7 +141,7 @@ class Bench:
         return self._known[name]
 
     def hit(self, name: str, fault: Fault, share: float) -> Round:
-        """A round that hits: earlier and earlier, where the command has ended before."""
+        """A round that hits: if the command ended before, try again earlier."""
         found = self.round(name, fault, share)
         for _ in range(ATTEMPTS - 1):
             if found.hit or not found.clean:
@@ -206,7 +206,7 @@ def workers(parent: int) -> list[int]:
 
 
 def line_of(pid: int) -> str:
-    """The command line of a process, empty where it has ended."""
+    """The command line of a process, empty if it has ended."""
     try:
         return Path(f"/proc/{pid}/cmdline").read_bytes().replace(b"\0", b" ").decode()
     except OSError:
@@ -214,7 +214,7 @@ def line_of(pid: int) -> str:
 
 
 def wait_for(process: subprocess.Popen[str], whom: str, moment: float) -> list[int]:
-    """Wait for the moment (s), counted from the first worker if one is wanted; who is to be hit."""
+    """Wait for the moment (s), counted from the first worker if one is wanted. Returns the processes to hit."""
     while whom == "worker" and process.poll() is None and not workers(process.pid):
         time.sleep(POLL)
     end = time.monotonic() + moment
@@ -262,7 +262,7 @@ def wrong_words(found: Round, fault: Fault, out: str, err: str) -> list[str]:
 
 
 def wrong_rerun(again: subprocess.CompletedProcess[str], folder: Path, usual: Undisturbed) -> list[str]:
-    """What is wrong after a rerun: its exit code, files that are missing or broken, other numbers."""
+    """The mistakes after a rerun: its exit code, missing or broken files, other numbers."""
     wrong = broken_files(folder) + [f"{name} is missing" for name in usual.files - stable(folder)]
     if again.returncode or "Traceback" in again.stderr:
         wrong.append(f"exit code {again.returncode}: {again.stderr[-500:]}")
@@ -272,7 +272,7 @@ def wrong_rerun(again: subprocess.CompletedProcess[str], folder: Path, usual: Un
 
 
 def validation(folder: Path) -> str:
-    """The content of validation.json, empty where there is none."""
+    """The content of validation.json, empty without one."""
     path = folder / "validation.json"
     return path.read_text() if path.exists() else ""
 
@@ -291,7 +291,7 @@ def stable(folder: Path) -> frozenset[str]:
 
 
 def broken_files(folder: Path) -> list[str]:
-    """Every result that is not whole. Temporary files begin with a dot and are none."""
+    """Every result that is not whole. Temporary files begin with a dot and do not count."""
     broken = []
     for path in files(folder):
         if path.name.startswith("."):
@@ -324,7 +324,7 @@ def whole_arrays(path: Path) -> bool:
 
 
 def whole_table(path: Path) -> bool:
-    """A row for every vehicle, each as long as the head."""
+    """A row for every vehicle, each as long as the header."""
     head, *rows = csv.reader(path.read_text().splitlines())
     return len(rows) == VEHICLES and all(len(row) == len(head) for row in rows)
 

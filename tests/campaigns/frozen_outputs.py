@@ -47,7 +47,7 @@ def write(folder: Path) -> None:
 
 
 def compared(folder: Path) -> dict[str, Any]:
-    """What is compared, by file: JSON without wording, code and tables as they stand."""
+    """The compared content, by file: JSON without wording; code and tables unchanged."""
     found: dict[str, Any] = {}
     for path in sorted(folder.rglob("*")):
         name = str(path.relative_to(folder))
@@ -59,7 +59,7 @@ def compared(folder: Path) -> dict[str, Any]:
 
 
 def without_wording(content: Any) -> Any:
-    """The JSON document less the keys of WORDING, on every level."""
+    """The JSON document without the keys of WORDING, on every level."""
     if isinstance(content, dict):
         return {key: without_wording(value) for key, value in content.items() if key not in WORDING}
     return [without_wording(item) for item in content] if isinstance(content, list) else content

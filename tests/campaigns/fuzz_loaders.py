@@ -1,7 +1,7 @@
-"""Coverage-guided fuzzing of every loader: `python tests/fuzz_loaders.py --seconds 60`, needs atheris.
+"""Coverage-guided fuzzing of every loader: `python tests/campaigns/fuzz_loaders.py --seconds 60`; needs atheris.
 
-Each loader runs in a process of its own, from files that are good, and may raise its documented error and nothing else.
-What crashes it is kept in --crashes DIR. pytest does not collect this file.
+Each loader runs in a process of its own, starting from good files, and may raise only its documented error.
+Inputs that crash it are kept in --crashes DIR. pytest does not collect this file.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def seeds() -> dict[str, list[str]]:
 
 
 def target(loader: str, folder: Path) -> Callable[[bytes], None]:
-    """One input through a loader, by way of a file; what it may raise is caught."""
+    """One input through a loader, from a file; documented errors are caught."""
     from gaincert.models.errors import InputError
     from gaincert.models.files.fleet_file import load_fleet as load
     from gaincert.models.files.gains_file import load_gains
@@ -105,7 +105,7 @@ def results(loader: str, seconds: int, crashes: Path) -> tuple[int, int]:
 
 
 def main() -> int:
-    """Fuzz all loaders in turn and print the table; exit code 1 where one crashed."""
+    """Fuzz all loaders in turn and print the table; exit code 1 if one crashed."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--seconds", type=int, default=60, help="of all loaders together")
     parser.add_argument("--crashes", type=Path, default=Path("build/fuzz"), help="where inputs that crash are kept")

@@ -1,4 +1,4 @@
-"""Changed certificates: no false one is accepted, and no file whatever brings the kernel down."""
+"""Changed certificates: no false one is accepted, and no file crashes the kernel."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def verdict(document: Any) -> str:
 
 
 def fields(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
-    """The paths of all fields: keys of tables and entries of lists, at every depth, but for the provenance."""
+    """The paths of all fields: keys of tables and entries of lists, at every depth, without the provenance."""
     if path == ("provenance",):
         return []
     keys = value.keys() if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else []
@@ -36,7 +36,7 @@ def fields(value: Any, path: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
 
 
 def changed(document: Any, path: tuple[Any, ...], rng: random.Random) -> Any:
-    """A copy with the field at a path changed: a number moved a little or much, a text, a table or list spoiled."""
+    """A copy with one changed field: a number moved a little or much, or a text, table or list spoiled."""
     result = copy.deepcopy(document)
     parent = result
     for key in path[:-1]:

@@ -1,6 +1,6 @@
 """Every loader on changed and on arbitrary files: a value or the documented error, and nothing else.
 
-A short run by default, the same each time; with GAINCERT_FUZZ_SECONDS=120 about that long, on other inputs every time.
+The default run is short and always the same. GAINCERT_FUZZ_SECONDS=120 runs for about 120 s, each time on other inputs.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ anything = trees(plain | st.decimals() | st.dates() | st.sampled_from([10**70, D
 
 @st.composite
 def spoiled(draw: st.DrawFn, *texts: str) -> bytes:
-    """One of some texts with a few pieces cut out and others put in."""
+    """One of these texts with a few pieces removed and others inserted."""
     text = draw(st.sampled_from(texts)).encode()
     for _ in range(draw(st.integers(1, 3))):
         at = draw(st.integers(0, len(text)))
@@ -86,7 +86,7 @@ def spoiled(draw: st.DrawFn, *texts: str) -> bytes:
 
 @st.composite
 def replaced(draw: st.DrawFn, content: Any, values: st.SearchStrategy[Any]) -> Any:
-    """A tree of tables and lists with one to three of its values, at any depth, in the place of which others stand."""
+    """A tree of tables and lists in which one to three values, at any depth, are replaced."""
     content = copy.deepcopy(content)
     for _ in range(draw(st.integers(1, 3))):
         parent, key = None, None
@@ -100,7 +100,7 @@ def replaced(draw: st.DrawFn, content: Any, values: st.SearchStrategy[Any]) -> A
 
 
 def outcome(loader: Callable[[], Any], error: type[Exception] = InputError) -> Any:
-    """The value, or None where the loader refuses with its error, in readable lines and bounded time."""
+    """The value, or None if the loader refuses with its error, in readable lines and bounded time."""
     begin = time.monotonic()
     try:
         return loader()
@@ -129,7 +129,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def reads_back(fleet: Fleet | None, folder: Path) -> None:
-    """What is accepted can be written, and read back as it was."""
+    """An accepted fleet can be written, and reads back equal."""
     if fleet is not None:
         text = dumps(fleet)
         assert load(written(folder, "again.toml", text.encode())) == fleet
@@ -150,7 +150,7 @@ def test_a_fleet_with_other_values_is_a_fleet_or_refused(folder: Path, data: st.
 
 
 def fleet_content() -> dict[str, Any]:
-    """What GOOD says, as tomllib reads it, with one vehicle's numbers from a robot's description."""
+    """The content of GOOD as tomllib reads it, with one vehicle from a robot description."""
     import tomllib
 
     content = tomllib.loads(GOOD, parse_float=Decimal)

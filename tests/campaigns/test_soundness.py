@@ -1,4 +1,4 @@
-"""The kernel against two other judges on fleets at the edge of a condition, and that this comparison can fail."""
+"""The kernel against two other judges on fleets at the edge of a condition. Also tests that the comparison can fail."""
 
 from __future__ import annotations
 

@@ -12,7 +12,7 @@ from gaincert.cli import main
 
 
 class Done(NamedTuple):
-    """What a command came to."""
+    """The result of a command."""
 
     returncode: int
     stdout: str
@@ -20,7 +20,7 @@ class Done(NamedTuple):
 
 
 def gaincert(*arguments: object, cwd: Path | None = None) -> Done:
-    """Run a command in a folder; an exception that is no exit is raised."""
+    """Run a command in a folder; any exception except an exit is raised."""
     out, err, before = io.StringIO(), io.StringIO(), sys.argv
     sys.argv = ["gaincert", *map(str, arguments)]
     code = 0

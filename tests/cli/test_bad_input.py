@@ -1,4 +1,4 @@
-"""Bad input of every kind through the command line: the exit code, one message that says what is wrong, no file left.
+"""Bad input of every kind through the command line: the exit code, one message with the mistake, no file left.
 
 `python tests/cli/test_bad_input.py` prints, as a table, how many inputs of each kind there are and how many behaved.
 """
@@ -105,7 +105,7 @@ class Bad:
 
 
 def prepare(bad: Bad, folder: Path) -> None:
-    """A good fleet and good gains, then what is bad."""
+    """Write a good fleet and good gains, then the bad input."""
     for name, make in {"fleet.toml": FLEET, "gains.toml": GAINS, **bad.files}.items():
         path = folder / name
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -116,7 +116,7 @@ def prepare(bad: Bad, folder: Path) -> None:
 
 
 def run(bad: Bad) -> tuple[int, str, str]:
-    """Exit code, standard output and standard error; in a process of its own where the system is to refuse."""
+    """Exit code, standard output and standard error; in its own process if the system has to refuse."""
     if bad.quota is None and bad.stdout is None:
         return gaincert(*bad.command)
 
@@ -134,7 +134,7 @@ def run(bad: Bad) -> tuple[int, str, str]:
 
 
 def complaints(bad: Bad, folder: Path) -> list[str]:
-    """What is wrong with how the command line takes it; nothing, where it behaves."""
+    """The mistakes in the command line's reaction; empty if it behaves."""
     prepare(bad, folder)
     before = content_of(folder)
     with contextlib.chdir(folder):
@@ -195,7 +195,7 @@ def forged(**changes: Any) -> str:
 
 
 def sparse(path: Path) -> None:
-    """A large file that takes no room on the disk."""
+    """A large file that uses no space on the disk."""
     with path.open("wb") as file:
         file.truncate(SPARSE)
 
@@ -205,7 +205,7 @@ def link_to(target: str) -> Callable[[Path], None]:
 
 
 def certified_folder(**others: Make) -> dict[str, Make]:
-    """`out` as certify leaves it, with some files in the place of its own."""
+    """`out` as certify leaves it, with some files replaced."""
 
     def copy_of_fleet(path: Path) -> None:
         write_fleet_copy(good_fleet(), path.parent)
@@ -215,7 +215,7 @@ def certified_folder(**others: Make) -> dict[str, Make]:
 
 
 def trajectory(shape: str) -> Make:
-    """An archive whose one array has a heading and nothing else."""
+    """An archive whose only array has a header without data."""
     heading = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}}}\n".encode()
 
     def write(path: Path) -> None:
@@ -496,7 +496,7 @@ def folders() -> list[Bad]:
 
 def unreadable() -> list[Bad]:
     def bad(name: str, path: str, says: str, *files: tuple[str, Make], not_for: str = "") -> list[Bad]:
-        """The same for the files that a command reads."""
+        """Bad files that a command reads."""
         commands = {
             "fleet": ("check", path),
             "gains": ("certify", "fleet.toml", "--gains", path, "-o", "out"),
@@ -608,7 +608,7 @@ def options() -> list[Bad]:
 
 
 def verdicts() -> list[Bad]:
-    """What can be read and cannot be had: infeasible (3), false (1), undecided (4)."""
+    """Valid input with a negative outcome: infeasible (3), false (1), undecided (4)."""
     kind = "false, infeasible or undecided"
 
     def fleet(*changes: tuple[str, str]) -> dict[str, Make]:
@@ -632,7 +632,7 @@ def verdicts() -> list[Bad]:
 
 
 def hostile_names() -> list[Bad]:
-    """A vehicle may be called anything: nothing of it reaches a terminal or a path as more than text."""
+    """A vehicle may have any name: it reaches terminals and paths only as text."""
     names = {
         "path traversal": "../../evil",
         "ANSI escapes": f"{ESCAPE}red",

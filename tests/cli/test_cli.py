@@ -1,4 +1,4 @@
-"""The command line: its files, exit codes, messages and what it does not load."""
+"""The command line: its files, exit codes, messages, and modules that it must not load."""
 
 import csv
 import json
@@ -209,7 +209,7 @@ def test_import_gaincert_is_light() -> None:
 
 
 def test_help_takes_less_than_ten_times_bare_python() -> None:
-    """Processor time, the best of some interleaved runs of each, so that a busy machine does not decide."""
+    """Processor time, the best of some interleaved runs of each, so that machine load does not matter."""
 
     def seconds(*arguments: str) -> float:
         begin = resource.getrusage(resource.RUSAGE_CHILDREN)
@@ -320,7 +320,7 @@ def test_a_chaotic_run_is_called_sensitive_and_not_wrong() -> None:
 
 
 def test_validate_runs_long_enough_to_see_the_fleet_settle() -> None:
-    """The paper's gains need some thousand seconds, which the old default of 300 s did not show."""
+    """The paper's gains need some thousand seconds, more than a fixed default of 300 s."""
     fleet = paper_fleet()
     gains = GainsFile(paper_gains(), paper_excitation(), "paper")
     horizon = default_horizon(fleet, gains, Tolerance())

@@ -1,4 +1,4 @@
-"""A solver that fails or hangs leads to the next method and a line for the reader, never to a wrong design."""
+"""If a solver fails or hangs, the next method takes over and a line says so; the design is never wrong."""
 
 import json
 import logging
@@ -145,7 +145,7 @@ def test_without_clarabel_there_is_no_psi() -> None:
 
 @pytest.mark.usefixtures("clarabel")
 def test_without_clarabel_there_are_no_weights_that_were_not_asked_for() -> None:
-    """Weights that lie outside their range are none; psi and weights have no other method."""
+    """Weights outside their range are refused; psi and weights have no other method."""
     given = paper_fleet()
     try:
         links = design_weights(given)
@@ -376,7 +376,7 @@ def test_an_interrupt_does_not_wait_for_the_workers() -> None:
 
 
 def test_an_interrupt_does_not_reach_a_worker_that_begins() -> None:
-    """A terminal sends it to all processes, also to one that has not yet set what it does with it."""
+    """A terminal sends it to all processes, also to one that has not yet set its handler."""
     if not hasattr(signal, "pthread_sigmask"):
         pytest.skip("no signal masks here")
     with dispatch.local(1) as (pool, _):

@@ -1,4 +1,4 @@
-"""What verbs do together: they fail before the work, leave what belongs together, and end with the right exit code."""
+"""Verbs together: they fail before the work begins, leave matching files, and end with the right exit code."""
 
 import json
 from pathlib import Path
@@ -25,7 +25,7 @@ def stop(*_: object, **_options: object) -> None:
 
 @pytest.fixture(scope="module")
 def designed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
-    """One robot designed, and the words that were printed."""
+    """A design for one robot, and the printed text."""
     folder = tmp_path_factory.mktemp("designed")
     (folder / "fleet.toml").write_text(template_text("line", 1))
     done = gaincert("design", "fleet.toml", "-o", "out", "--conditions", "corrected", cwd=folder)

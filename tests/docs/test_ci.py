@@ -1,4 +1,4 @@
-""".ci/run installs what tests need where it may, goes on where it cannot, and says so in its last lines."""
+""".ci/run installs the tools that tests need if it may, continues if it cannot, and says so in its last lines."""
 
 import shutil
 import subprocess
@@ -12,7 +12,7 @@ PLAIN = ("bash", "cat", "chmod", "dirname", "env", "mkdir", "timeout", "touch", 
 
 @pytest.fixture
 def ci(tmp_path):
-    """(stub programs, environment) -> what .ci/run does where these and a few plain programs are all there is."""
+    """(stub programs, environment) -> a run of .ci/run with only these and a few plain programs on the PATH."""
     programs = tmp_path / "bin"
     programs.mkdir()
     (tmp_path / ".ci").mkdir()

@@ -1,4 +1,4 @@
-"""The gallery runs, and prints what it is there to show."""
+"""The scripts of the gallery run and print the expected results."""
 
 import re
 import subprocess

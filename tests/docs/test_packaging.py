@@ -1,4 +1,4 @@
-"""What pyproject.toml installs is what there is."""
+"""pyproject.toml installs all packages and files."""
 
 import re
 import tomllib

@@ -1,4 +1,4 @@
-"""What README says is what the program does."""
+"""The README agrees with the program."""
 
 import json
 import re

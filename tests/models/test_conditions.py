@@ -1,4 +1,4 @@
-"""The conditions: the paper's numbers, exactness to the last place, and what they promise about torque and speed."""
+"""The conditions: the paper's numbers, exactness to the last place, and their promises about torque and speed."""
 
 import math
 from dataclasses import replace
@@ -262,8 +262,8 @@ def test_small_is_homogeneous_in_the_gains_it_names(condition, data, exact_gains
         assert (name in before.scaled) == bool((moved.small != before.small).any())
 
 
-def test_no_limit_asked_for_is_none_imposed(fleet, psi, exact_gains):
-    """Where one vehicle asks for a limit, the others are held to none, whatever their gains."""
+def test_without_a_limit_none_is_imposed(fleet, psi, exact_gains):
+    """If one vehicle has a limit, the others have none, whatever their gains."""
     data = fleet.condition_data(psi)
     one = replace(data, speed=data.speed.copy(), turn_rate=data.turn_rate.copy())
     one.speed[0] = one.turn_rate[0] = Fraction(1, 100)
@@ -310,7 +310,7 @@ def test_16_star_accepts_equality_and_refuses_one_unit_in_the_last_place_beyond(
 
 
 def test_floats_cannot_tell():
-    """Why a verdict is never taken in floats: 1e-17 N m beyond the limit goes unseen."""
+    """Verdicts never use floats: they miss 1e-17 N m beyond the limit."""
     data = one_vehicle(Fraction("10.6") - Fraction("1e-17")).map(floats)
     assert conditions.condition_16_star(float_numbers(), data, RATIONAL_GAINS.map(floats)).holds.all()
 
@@ -378,7 +378,7 @@ def test_tanh_is_rounded_down(q):
     assert below < 1
 
 
-def test_no_limit_is_endless():
+def test_no_limit_is_infinity():
     assert tanh_below(math.inf) == math.inf
 
 
@@ -393,7 +393,7 @@ def wild(fleet, random):
 
 
 def torques(fleet, gains, psi, t, state):
-    """Both wheel torques, where t is an array of instants, one per member of the batch."""
+    """Both wheel torques; t is an array of times, one per member of the batch."""
     ops, plant = numpy_ops(), fleet.plant()
     now = psi.value(ops, np.asarray(t)[..., None])
     return control(ops, plant, gains, now, state)
@@ -405,7 +405,7 @@ def test_the_torque_never_passes_its_bound(fleet, gains, psi, wild, random):
         assert (np.abs(torque) <= bound * (1 + 1e-12)).all()
 
 
-def test_the_torque_comes_as_near_to_its_bound_as_one_likes(fleet, gains, psi):
+def test_the_torque_comes_arbitrarily_close_to_its_bound(fleet, gains, psi):
     """T_i is the supremum: both wheels, both signs, every vehicle, by the state that the proof of (16*) names."""
     bound = conditions.torque_bound(float_numbers(), fleet.condition_data(psi).map(floats), gains)
     plant, n = fleet.plant(), len(fleet)
@@ -443,7 +443,7 @@ def test_the_torque_comes_as_near_to_its_bound_as_one_likes(fleet, gains, psi):
     ids=["max for the root", "without sqrt2"],
 )
 def test_weaker_forms_of_16_star_are_broken(mutant):
-    """Witnesses for mutants of docs/theory.md 8: one vehicle, a torque above what they claim."""
+    """Witnesses for mutants of docs/theory.md 8: one vehicle, a torque above the bound that they claim."""
     gains = Gains(*(np.array([value]) for value in (1.0, 0.1, 0.2, 0.3, 1.0)))
     psi = Excitation(Fraction(0), Fraction(1), (Fraction(1),))
     data = one_vehicle("1").map(floats)
@@ -477,7 +477,7 @@ def test_16_implies_16_star(data, exact_gains):
 
 
 def test_intervals_are_judged_by_their_worst_case(content, psi, random, draw_gains):
-    """A vehicle known within 5 percent: what holds for the interval holds for every vehicle in it."""
+    """A vehicle known within 5 percent: a condition that holds for the interval holds for every vehicle in it."""
     numbers = exact_numbers()
     keys = ("mass", "inertia", "half_track", "wheel_radius", "torque_limit")
 

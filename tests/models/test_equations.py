@@ -20,7 +20,7 @@ TIME = 0.83  # s, some instant
 
 
 def everything(ops, plant, gains, psi, t, state):
-    """All that models.equations and models.energy define, as one list of arrays."""
+    """The results of all functions of models.equations and models.energy, as one list of arrays."""
     now, rate = psi.value(ops, t), psi.derivative().value(ops, t)
     return [
         *equations.closed_loop(ops, plant, gains, now, state),
@@ -227,7 +227,7 @@ def exact_plant(fleet):
 
 
 def test_6_inverts_2_exactly(fleet, random):
-    """m v' = u_v and I omega' = u_omega, over fractions: not a rounding is left."""
+    """m v' = u_v and I omega' = u_omega, over fractions: no rounding error is left."""
     plant = exact_plant(fleet)
     u_v, u_w = (np.array([Fraction(int(u), 64) for u in random.integers(-999, 999, len(fleet))]) for _ in range(2))
     v_rate, w_rate = equations.accelerations(plant, *equations.wheel_torques(plant, u_v, u_w))

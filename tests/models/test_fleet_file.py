@@ -1,4 +1,4 @@
-"""Fleet files: every class of bad input has its one line, all mistakes come at once, what is written reads back."""
+"""Fleet files: every class of bad input has one line, all mistakes come at once, written fleets read back."""
 
 import copy
 import csv

@@ -1,4 +1,4 @@
-"""Gains from files: the three kinds say the same, and every mistake has its line."""
+"""Gains from files: the three kinds give the same gains, and every mistake has its line."""
 
 import csv
 import json

@@ -82,7 +82,7 @@ def test_the_tree_leads_every_vehicle_to_the_leader(fleet):
             assert steps <= n
 
 
-def test_lemma_1_has_many_faces(random):
+def test_the_forms_of_lemma_1_are_equivalent(random):
     """Reachable leader = tree without -1 = positive pivots = positive definite = a kernel of 0 only, both ways."""
     verdicts = []
     for _ in range(150):

@@ -1,4 +1,4 @@
-"""Notes on vehicles: a centre of mass off the axle, a start that is whole turns away."""
+"""Notes on vehicles: a centre of mass off the axle, a start some turns away."""
 
 import math
 import re

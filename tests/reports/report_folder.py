@@ -45,7 +45,7 @@ def renamed(names: tuple[str, ...], title: str) -> Fleet:
 
 
 def fill(folder: Path, fleet: Fleet, horizon: float = 30.0) -> Path:
-    """Write what the report reads; psi is the paper's."""
+    """Write the files that the report reads; psi is the paper's."""
     gains, excitation = paper_gains(), paper_excitation()
     digests = Digests.of(fleet, fleet, excitation, gains)
     certify(fleet, excitation, gains, "paper").write(folder / "certificate.json")

@@ -1,4 +1,4 @@
-"""What robots and papers load: the C controller against Python, the ROS 2 parameters and node, the tables."""
+"""Exports: the C controller against Python, the ROS 2 parameters and node, the tables."""
 
 import csv
 import ctypes
@@ -74,7 +74,7 @@ def c_torques(library: ctypes.CDLL, vehicle: int, t: float, state: State, leader
 
 
 def only_heard(library: ctypes.CDLL, vehicle: int, state: State) -> State:
-    """NaN wherever the vehicle has no business."""
+    """NaN in all entries that the vehicle must not read."""
     near = [library.gaincert_neighbour(vehicle, k) for k in range(library.gaincert_neighbour_count(vehicle))]
     seen = State(*(np.full_like(values, np.nan) for values in state))
     for k, (kept, values) in enumerate(zip(seen, state, strict=True)):
@@ -380,7 +380,7 @@ def test_the_node_says_what_it_needs_where_there_is_no_ros():
 
 
 def all_known(node, state, now=0.0):
-    """What a robot knows that hears the whole fleet."""
+    """The knowledge of a robot that hears the whole fleet."""
     known = node.FleetState(len(state.x))
     for vehicle, own in enumerate(zip(*state, strict=True)):
         known.hear(vehicle, now, own[:3])

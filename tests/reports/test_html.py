@@ -1,4 +1,4 @@
-"""report.html: one file, whatever the names in it are; figures; animations."""
+"""report.html: one file, safe for all names; figures; animations."""
 
 import base64
 import hashlib
@@ -263,7 +263,7 @@ def test_an_mp4_is_written(folder, monkeypatch):
 
 
 def test_the_report_says_what_every_robot_is_taken_to_be(tmp_path):
-    """With the wheels' own inertia, and with the note on a centre of mass that (2) does not know."""
+    """With the wheels' own inertia, and with the note on a centre of mass, which (2) ignores."""
     content = paper_fleet().model_dump(by_alias=True)
     content["vehicle"][0].update(wheel_inertia="0.005", com_offset=["-0.1", 0])
     fleet = parse(content)

@@ -1,4 +1,4 @@
-"""Said before it fails: friction, motors, control rate, collisions, and runs that do not arrive."""
+"""Obstacles are named beforehand: friction, motors, control rate, collisions, and runs that do not arrive."""
 
 import math
 import tomllib

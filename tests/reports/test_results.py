@@ -1,4 +1,4 @@
-"""The report shows only what belongs together, names the rest, and says of which run each result is."""
+"""The report shows only matching files, names the others, and states the run of each result."""
 
 import html
 import json

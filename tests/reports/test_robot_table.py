@@ -1,4 +1,4 @@
-"""What `check` says of robots: every number with its source, equal robots once, warnings and notes below."""
+"""The robots in the output of `check`: every number with its source, equal robots once, warnings and notes below."""
 
 import json
 

@@ -1,4 +1,4 @@
-"""Logs of a run: what is written is read back by another decoder, number for number."""
+"""Logs of a run: another decoder reads back every number."""
 
 import csv
 import math
@@ -71,7 +71,7 @@ def test_every_number_is_read_back(run, folder):
 
 
 def test_torque_times_wheel_speed_is_the_power_of_the_model(run):
-    """(2) has v' m = sum of torques / r: what the wheels put in is what moves the vehicle."""
+    """(2) has v' m = sum of torques / r: the power of the wheels is the power that moves the vehicle."""
     fleet = paper_fleet()
     plant, (left, right) = fleet.plant(), wheel_speeds(fleet, run)
     v_rate, omega_rate = accelerations(plant, run.tau_left, run.tau_right)

@@ -1,4 +1,4 @@
-"""Compiled loops say what CasADi and the equations say."""
+"""Compiled loops agree with CasADi and with the equations."""
 
 import math
 from dataclasses import replace
@@ -35,7 +35,7 @@ def applied(function: ca.Function, *arguments: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", ["sin", "cos", "tanh"])
-def test_what_stands_for_the_functions_is_near_enough(name: str) -> None:
+def test_the_replacements_of_sin_cos_and_tanh_are_accurate_enough(name: str) -> None:
     s = np.concatenate([np.linspace(-12, 12, 4001), np.linspace(-100, 100, 4001), [math.nan]]).astype(Single)[None]
     x = SYMBOL("x")
     found = applied(ca.Function("f", [x], [getattr(single_ops(), name)(x)]), s)
@@ -134,7 +134,7 @@ def test_columns_follow_their_equation(tableau: Tableau) -> None:
 
 
 def test_a_plain_processor_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> None:
-    """To the last bit: wider registers change how many columns go at once and nothing else."""
+    """To the last bit: wider registers only change how many columns are computed at once."""
     x, y = SYMBOL("x"), SYMBOL("y")
     ops = single_ops()
     function = ca.Function("f", [x, y], [ops.tanh(x) * ops.sin(y) + ops.cos(x) * y / (1 + x * x)])

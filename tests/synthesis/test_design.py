@@ -1,4 +1,4 @@
-"""Designs: within their conditions exactly, rounded as asked, fast as promised."""
+"""Designs: exactly within their conditions, rounded to the given digits, and fast."""
 
 import math
 import time
@@ -211,7 +211,7 @@ def test_gains_map_keeps_the_names() -> None:
 def test_an_interrupt_of_the_final_ranking_keeps_the_one_before(
     monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    """Ten minutes of search are not lost to an interrupt in the half minute after."""
+    """An interrupt in the final ranking does not lose the ten minutes of search before it."""
     task = prepare(paper_fleet(), Options("corrected", "designed"), BEST)
 
     def rank(_task: Task, candidates: list[Any], starts: list[Any], *_: Any) -> Any:
@@ -278,7 +278,7 @@ def test_only_a_long_search_is_kept_from_an_interrupt(
 
 
 def test_leaving_a_pool_waits_for_no_work() -> None:
-    """Whoever goes on after an interrupt does not wait for what is thrown away."""
+    """After an interrupt nobody waits for results that are thrown away."""
     begin = time.monotonic()
     with local(1) as (executor, _):
         assert executor.submit(abs, -1).result() == 1

@@ -1,4 +1,4 @@
-"""The search is anytime: an interrupt ends it with the best so far, and its clock is kept."""
+"""The search can stop at any time: an interrupt ends it with the best so far, and it keeps to its clock."""
 
 import math
 import os
@@ -86,20 +86,20 @@ def test_a_start_that_never_settles_costs_more_than_any_that_does() -> None:
 
 
 def test_no_short_tail_makes_up_for_starts_that_do_not_settle() -> None:
-    """Where all settle within half the horizon, a tail longer by a decade weighs less than half of them unsettled."""
+    """A tail ten times as long, with all starts settled in half the horizon, costs less than half of them unsettled."""
     settled = [Run(50.0, 0.5, tail=3000.0)] * 32
     unsettled = [Run(50.0, 0.5, tail=300.0), Run(math.inf, 5.0, tail=300.0)] * 16
     assert cost(settled, 100.0) < cost(unsettled, 100.0)
 
 
 def test_the_cost_is_of_the_starts_and_not_of_their_number() -> None:
-    """The same starts twice cost the same: what many starts say and what few say can be compared."""
+    """The same starts twice cost the same, so costs of many and of few starts can be compared."""
     runs = [Run(10.0 * k, 0.5, tail=100.0) for k in range(1, 9)]
     assert cost(runs * 2, 1000.0) == pytest.approx(cost(runs, 1000.0), rel=1e-12)
 
 
 def test_one_late_start_counts_and_does_not_decide() -> None:
-    """Ten times as late as all others; a hundred times as late, which may be chance, it counts a few times more."""
+    """A start 100 times as late, which may be chance, counts only a few times more than one 10 times as late."""
     runs = [Run(40.0, 0.5, tail=100.0)] * 32
     late, later = ([runs[0]._replace(time=time), *runs[1:]] for time in (400.0, 4000.0))
     more, most = (cost(one, 5000.0) - cost(runs, 5000.0) for one in (late, later))
@@ -146,7 +146,7 @@ def test_settling_later_never_pays() -> None:
 
 
 def test_an_abandoned_candidate_is_not_run_to_the_end() -> None:
-    """What is left out counts as never settled, so that it ranks behind every candidate that was run."""
+    """Runs that are left out count as never settled, so the candidate ranks behind every complete one."""
     task = prepare(paper_fleet(), Options("corrected", "designed"))
     candidate, starts = task.candidate("here", FALLBACK), task.starts(Draw.TRAINING, 3)
     whole = next(measure_all(task, [candidate], starts, Limits(60.0), None))
@@ -243,7 +243,7 @@ def test_runs_over_separate_gains_end_with_the_time_and_where_they_find_nothing(
 
 
 def test_in_a_small_fleet_every_vehicle_has_its_own_gains() -> None:
-    """In a larger one those of equal role share them: v1 and v5, v2 and v4 of the paper's fleet."""
+    """In a larger fleet vehicles of equal role share them: v1 and v5, v2 and v4 of the paper's fleet."""
     task = prepare(paper_fleet(), Options("corrected", "designed"))
     make, more = by_separate_gains(task)
     assert more == 25
@@ -318,7 +318,7 @@ def test_the_best_mean_so_far_limits_how_far_others_are_simulated(monkeypatch: p
     assert asked[3] == (bounds.horizon * FAST.least_mean, bounds.abandon_above * FAST.least_mean, bounds.steps * 7)
 
 
-def test_the_luckiest_from_few_starts_limits_nothing_once_more_have_spoken(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_results_from_few_starts_set_no_limit_once_there_are_results_from_more(monkeypatch: pytest.MonkeyPatch) -> None:
     """How far others are simulated follows the cheapest from the most starts so far, not the one of least mean."""
     answers = iter(
         [

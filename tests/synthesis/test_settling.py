@@ -1,4 +1,4 @@
-"""Rollouts side by side: as right as one by one, and none depends on the others."""
+"""Rollouts side by side: as accurate as one by one, and independent of each other."""
 
 import math
 import statistics
@@ -97,7 +97,7 @@ def test_the_clock_ends_a_batch(task: Task) -> None:
 
 @pytest.mark.parametrize("scalars", [GOOD, SLOW])
 def test_tails_together_are_tails_one_by_one(task: Task, scalars: Scalars) -> None:
-    """Every column has the flow of its own trial, and columns that are there already take no time."""
+    """Every column has the flow of its own trial, and columns within the tolerance take no time."""
     trials = [trial(task, FAST) for FAST in (GOOD, SLOW, scalars)]
     y = 0.08 * np.random.default_rng(0).uniform(-1, 1, (6, 12))
     y[:, 0] = 1e-6

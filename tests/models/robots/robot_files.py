@@ -1,4 +1,4 @@
-"""Small robots for tests: one computed by hand, and a kit from which others are put together."""
+"""Small robots for tests: one computed by hand, and functions that build others."""
 
 # Axle centre at (0.1, 0) in the root frame; wheels at (0.1, +-0.25); a mast turned by a quarter turn about the vertical
 # and an arm whose inertia tensor is given in a frame rolled by a quarter turn.

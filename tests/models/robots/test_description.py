@@ -1,4 +1,4 @@
-"""Robot descriptions: a small robot computed by hand, laws of frames, and files that mean harm."""
+"""Robot descriptions: a small robot computed by hand, laws of frames, and hostile files."""
 
 import math
 from fractions import Fraction

@@ -1,4 +1,4 @@
-"""`urdf` in a fleet file: which of the two says what, and what is told of its source."""
+"""`urdf` in a fleet file: which numbers come from which file, and the sources that are shown."""
 
 from fractions import Fraction
 

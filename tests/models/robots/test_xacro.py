@@ -1,4 +1,4 @@
-"""xacro: expanded where the package is there, named where it is not; a file that computes without end is stopped."""
+"""xacro: expanded if the package is installed, else the message names it; endless computations are stopped."""
 
 import sys
 from fractions import Fraction
