@@ -39,7 +39,12 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
     held = [row.vehicle for row in rows if row.torque <= row.friction]
     if held:
         what = f"the controller never asks {_some(held)} for more torque than friction takes, so they do not move"
-        return [Obstacle(what, "allow more torque (a larger torque_limit or --torque-factor) or reduce the friction")]
+        return [
+            Obstacle(
+                what,
+                "reduce the friction, or raise what holds torques down: speed limit, torque limit, --torque-factor",
+            )
+        ]
     short = [row for row in rows if row.stops_within > tolerance.position]
     if not short:
         return []
@@ -48,7 +53,7 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
     what = (
         f"friction may hold {worst.vehicle!r} {where}, and {len(short)} of {len(rows)} vehicles outside the tolerance"
     )
-    return [Obstacle(what, "ask for a wider --tolerance, allow more torque or reduce the friction")]
+    return [Obstacle(what, "ask for a wider --tolerance, reduce the friction, or raise what holds the torques down")]
 
 
 def of_control_rate(sample_time: float | None, largest: float | None) -> list[Obstacle]:
@@ -71,7 +76,7 @@ def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
             f"with its disturbance the fleet does not settle: after {summary.horizon:g} s it is {summary.approach}, "
             f"{summary.final_position_error:.3g} m and {summary.final_heading_error:.3g} rad off"
         )
-        found.append(Obstacle(what, "reduce the disturbance, allow more torque or ask for a wider --tolerance"))
+        found.append(Obstacle(what, "reduce the disturbance or ask for a wider --tolerance"))
     return found
 
 

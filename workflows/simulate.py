@@ -135,7 +135,7 @@ def sentence(summary: Summary) -> str:
     error = summary.integration_error
     return (
         (settled if summary.settled else f"not settled within {summary.horizon:g} s ({summary.approach})")
-        + f", peak torque {100 * summary.peak_torque_ratio:.1f} % of the limit, "
+        + f", peak torque {100 * summary.peak_torque_ratio:.3g} % of the limit, "
         f"final error {summary.final_position_error:.3g} m, {summary.final_heading_error:.3g} rad"
         + ("" if error is None or error.position >= CHAOTIC else f", integration error below {error.position:.1g} m")
     )

@@ -63,25 +63,27 @@ def for_terminal(rows: list[DemandRow]) -> TerminalTable:
     """The first rows for a terminal; with a friction column if there is friction."""
     headings = ["vehicle", "torque / N m", "motor / N m"]
     rubbing = any(row.friction for row in rows)
-    headings += ["friction / N m", "stops within / m"] if rubbing else []
+    headings += ["friction / N m", "may stop within / m"] if rubbing else []
     headings += ["speed / m/s", "turn rate / rad/s"]
     table = [
         [
             row.vehicle,
             f"{row.torque:.3g}",
             f"{row.motor:.3g}",
-            *([f"{row.friction:.3g}", _bound(row.stops_within)] if rubbing else []),
-            _bound(row.speed),
-            _bound(row.turn_rate),
+            *([f"{row.friction:.3g}", _finite(row.stops_within, "anywhere")] if rubbing else []),
+            _finite(row.speed, "no bound"),
+            _finite(row.turn_rate, "no bound"),
         ]
         for row in rows[:SHOWN]
     ]
-    caption = "no torque or speed exceeds these, from rest (none: no bound is certified)"
+    caption = "torque, speed and turn rate never exceed these from rest"
+    if rubbing:
+        caption += "; friction may stop a vehicle within this distance of its place"
     return TerminalTable(headings, table, caption)
 
 
-def _bound(value: float) -> str:
-    return "none" if math.isinf(value) else f"{value:.3g}"
+def _finite(value: float, otherwise: str) -> str:
+    return otherwise if math.isinf(value) else f"{value:.3g}"
 
 
 def motor_torque(vehicle: Vehicle) -> float:

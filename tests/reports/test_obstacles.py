@@ -109,9 +109,9 @@ def test_a_smaller_scale_of_the_speed_certifies_a_lower_speed():
         assert one.speed == pytest.approx(other.speed / 2)
 
 
-def test_a_bound_that_does_not_exist_is_called_none():
+def test_a_bound_that_does_not_exist_is_called_so():
     rows = [row._replace(speed=math.inf) for row in rows_with(0.5)]
-    assert for_terminal(rows).rows[0][-2] == "none"
+    assert for_terminal(rows).rows[0][-2] == "no bound"
 
 
 # -- control rate, collisions, runs ------------------------------------------------------------------------------------
