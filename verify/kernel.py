@@ -643,11 +643,11 @@ def theorem(c: Claims) -> Iterator[str]:
     """What follows when every rule holds, and for which object."""
     graph, vehicles, everybody = c.graph, Vehicle(*c.columns), range(len(c.graph.leader))
     led, bar, of_file = sum(weight > 0 for weight in graph.leader), exact(c.psi_bar, c.unit), "of the fleet file"
-    weights = of_file if graph.redesigned is None else f"designed, {graph.redesigned} of them changed"
+    weights = of_file if graph.redesigned is None else f"from the gains file, {graph.redesigned} of them changed"
     yield f"fleet {c.digests['fleet']}: {len(everybody)} vehicles, numbered from 1 in the order of the fleet file"
     yield f"graph {c.digests['graph']}: {len(graph.tail)} links of vehicles, {led} to the leader, weights {weights}"
     yield f"gains {c.digests['gains']}: five gains of every vehicle, and the saturation scales"
-    yield f"psi   {c.digests['psi']}: {'designed' if c.designed else of_file}, |psi| <= {bar} = psi_bar"
+    yield f"psi   {c.digests['psi']}: {'from the gains file' if c.designed else of_file}, |psi| <= {bar} = psi_bar"
     yield f"Drive {c.drive!r}: {DRIVES[c.drive]}."
     yield f"Conditions {c.conditions!r}: {', '.join(SETS[c.conditions])}."
     torque, position, speed, heading, turn_rate = (each(c.unit, everybody, vehicles[k]) for k in (11, 12, 13, 16, 17))

@@ -235,7 +235,10 @@ def test_designed_parts_are_embedded_and_said() -> None:
     assert certificate.content["designed"]["weights"] == weights
     assert certificate.content["fleet"] == fleet.content
     assert certificate.verdict.digests and certificate.verdict.digests["fleet"] == fleet.digest
-    assert "weights designed, 1 of them changed" in certificate.facts[1] and ": designed, " in certificate.facts[3]
+    assert (
+        "weights from the gains file, 1 of them changed" in certificate.facts[1]
+        and ": from the gains file, " in certificate.facts[3]
+    )
     assert CASES["paper"]().certificate.content["designed"] == {"excitation": None, "weights": None}
     again = certificate.links(fleet)
     assert again and fleet.with_links(again).digest == fleet.with_links(links).digest

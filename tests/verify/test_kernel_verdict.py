@@ -187,8 +187,8 @@ def test_designed_parts_are_said_and_counted() -> None:
     content["designed"]["excitation"] = content["fleet"]["excitation"]
     content["rates"] = dict.fromkeys(kernel.RATES)
     lines = check(content).theorem
-    assert lines[1].endswith(": 7 links of vehicles, 2 to the leader, weights designed, 3 of them changed")
-    assert ": designed, |psi| <= " in lines[3]
+    assert lines[1].endswith(": 7 links of vehicles, 2 to the leader, weights from the gains file, 3 of them changed")
+    assert ": from the gains file, |psi| <= " in lines[3]
 
 
 def test_the_scales_are_printed() -> None:
