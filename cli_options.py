@@ -102,7 +102,7 @@ CertificatePath = Annotated[Path, typer.Argument(metavar="CERTIFICATE.json", hel
 ResultFolder = Annotated[Path, typer.Argument(metavar="DIR", help="a folder with results of other verbs")]
 Folder = Annotated[Path, typer.Option("-o", "--output", metavar="DIR", help="the output folder")]
 ProofFolder = Annotated[Path | None, typer.Option("-o", "--output", metavar="DIR", help="also write the report here")]
-GainsPath = Annotated[Path, typer.Option("--gains", help="a design.json, gains.csv or gains.toml")]
+GainsPath = Annotated[Path, typer.Option("--gains", help="the gains: a design.json, gains.csv or gains.toml")]
 GivenGains = Annotated[
     Path | None, typer.Option("--gains", help="take these gains (design.json, gains.csv or gains.toml), design none")
 ]
@@ -110,7 +110,7 @@ FolderFleet = Annotated[
     Path | None, typer.Option("--fleet", metavar="FLEET.toml", help="the fleet file [default: its copy in DIR]")
 ]
 ProofFormal = Annotated[
-    bool, typer.Option("--formal", help="also compile the machine-checked theorem, where Coq is installed")
+    bool, typer.Option("--formal", help="also compile the machine-checked theorem, if Coq is installed")
 ]
 ProofFleet = Annotated[
     Path | None,
@@ -127,7 +127,7 @@ Vehicles = Annotated[
     int | None, typer.Option(min=1, max=1_000_000, help="number of vehicles, for all but the paper's fleet")
 ]
 FormatOption = Annotated[Format, typer.Option("--format", help="the format of the gains, or mcap for a run")]
-InterfaceOption = Annotated[Interface, typer.Option(help="what the ROS 2 node commands: wheel torques or twists")]
+InterfaceOption = Annotated[Interface, typer.Option(help="the commands of the ROS 2 node: wheel torques or twists")]
 Animate = Annotated[
     Animation | None, typer.Option(help="also write animation.gif, or animation.mp4 (which needs ffmpeg)")
 ]

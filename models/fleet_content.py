@@ -65,7 +65,9 @@ def excitation_content(psi: Excitation) -> dict[str, Any]:
             return {"family": "harmonics", **common, "sin": fixed_point(psi.sin), "cos": fixed_point(psi.cos)}
     except ValueError as error:
         raise InputError(f"excitation: {error}; round it") from None
-    raise InputError("excitation: its coefficients carry 1/pi and no table of a fleet file says so; use decimals")
+    raise InputError(
+        "excitation: its coefficients have a factor 1/pi, which no table of a fleet file can state; use decimals"
+    )
 
 
 def excitation_of(content: Mapping[str, Any]) -> Excitation:

@@ -34,7 +34,7 @@ class Deployment:
     fleet_digest: str  # of the fleet file's content
     certificate_digest: str | None  # SHA-256 of certificate.json, None if there is none
     conditions: str | None
-    facts: tuple[str, ...] = ()  # what the certificate proves, in the kernel's sentences
+    facts: tuple[str, ...] = ()  # the certificate's theorem, in the kernel's sentences
 
     @cached_property
     def torque_bounds(self) -> Array:

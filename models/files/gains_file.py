@@ -56,7 +56,7 @@ def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
     path = Path(path)
     readers = {".json": _from_json, ".csv": _from_csv, ".toml": _from_toml}
     if path.suffix.lower() not in readers:
-        raise InputError(f"{path}: gains are read from .json, .csv and .toml files; rename it to what it is")
+        raise InputError(f"{path}: gains are read from .json, .csv and .toml files; give it the suffix of its format")
     content = readers[path.suffix.lower()](path, fleet)
     if content.digest is not None and content.digest != fleet.digest:
         raise InputError(

@@ -34,7 +34,7 @@ _TURTLEBOT3_SOURCE = """\
 """
 _PSI_SOURCE = """\
 # Tables 1 and 2 and Section 4 of the paper, with (2) as printed. psi belongs to the controller: it is left out here, so
-# that the tool designs one. The paper's own psi stands beside its gains in paper_gains.toml.
+# that the tool designs one. The paper's own psi is beside its gains in paper_gains.toml.
 """
 
 

@@ -30,7 +30,7 @@ def write_run_log(folder: Path, fleet: Fleet) -> list[Path]:
         raise InputError(f"{path}: is not there; run gaincert simulate first")
     run, labels = read_trajectory(path), read_labels(path, KEYS)
     if run.state.x.shape[1] != len(fleet) or labels.get("fleet_digest", fleet.digest) != fleet.digest:
-        raise InputError(f"{path}: is of another fleet; simulate again")
+        raise InputError(f"{path}: belongs to another fleet; simulate again")
     _mcap_package(folder)
     return [
         write_whole(folder / MCAP, lambda file: write_mcap(file, fleet, run, labels)),

@@ -37,7 +37,7 @@ def write_movie(folder: Path, kind: str, fleet_path: Path | None, progress: Prog
     fleet, path = fleet_of_folder(folder, fleet_path), folder / "trajectory.npz"
     run = read_trajectory(path)
     if (count := run.state.x.shape[1]) != len(fleet):
-        raise InputError(f"{path}: is of {count} vehicles, the fleet has {len(fleet)}; simulate again")
+        raise InputError(f"{path}: has {count} vehicles, the fleet has {len(fleet)}; simulate again")
     pictures = _pictures(fleet, run, FRAMES[kind], progress)
     write = _gif if kind == "gif" else lambda images, file: _mp4(images, file, str(ffmpeg))
     return write_whole(folder / f"animation.{kind}", lambda file: write(pictures, file))

@@ -22,7 +22,7 @@ class Verdict(NamedTuple):
     title: str
     text: str
     facts: tuple[str, ...] = ()  # details that the reader can open
-    heading: str = "what is proved"  # of the details
+    heading: str = "what is proved"  # heading of the details
 
 
 def certificate_verdict(folder: Path, fleet: Fleet | None) -> tuple[list[Verdict], Deployment | None]:

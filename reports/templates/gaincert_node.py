@@ -5,7 +5,7 @@
     python3 gaincert_node.py --ros-args -r __ns:=/v1 --params-file gaincert.yaml
 
 Subscribes  odom (nav_msgs/Odometry)            the robot's own pose and velocity, in the frame that the fleet shares
-            /NEIGHBOUR/gaincert_controller/pose what each neighbour's node publishes
+            /NEIGHBOUR/gaincert_controller/pose from each neighbour's node
 Publishes   ~/pose (std_msgs/Float64MultiArray) x, y (m), theta (rad, on the real line)
             effort_controller/commands (std_msgs/Float64MultiArray)   left and right wheel torque, N m
             cmd_vel (geometry_msgs/Twist)           for the interface `velocity`: m/s, rad/s
@@ -13,13 +13,13 @@ Publishes   ~/pose (std_msgs/Float64MultiArray) x, y (m), theta (rad, on the rea
 With the interface `effort` the wheels need the *effort* interface of ros2_control and an
 effort_controllers/JointGroupEffortController with the joints [left, right].
 
-With the interface `velocity` any base will do that takes twists, such as diff_drive_controller. The node integrates the
+The interface `velocity` is for any base that takes twists, such as diff_drive_controller. The node integrates the
 controller's accelerations from the velocities that it *commanded*, so the commanded motion is the certified one. The
 base has to follow: its own limits must not lie below the parameters linear.x.* and angular.z.*, which are certified.
-Where a pose is too old the command goes to 0 within the certified acceleration.
+If a pose is too old, the command goes to 0 within the certified acceleration.
 
 Headings live on the real line, not modulo 2 pi. Each node unwraps its own heading from the first reading on and
-publishes it, so that all nodes mean the same number by it. The torques are 0 while a pose that is needed is older than
+publishes it, so that all nodes use the same number for it. The torques are 0 while a pose that is needed is older than
 `max_age`. The proof is about continuous time: see `gaincert simulate --sample-time` before choosing `rate`.
 
 Everything above `main` runs without ROS.
@@ -54,7 +54,9 @@ class Library:
             getattr(self._c, name).restype = ctypes.c_double
         built = self._c.gaincert_gains_digest().decode()
         if built != gains_digest:
-            raise ValueError(f"{path}: is of gains {built}, the parameters are of {gains_digest}; export both again")
+            raise ValueError(
+                f"{path}: was built for gains {built}, the parameters for {gains_digest}; export both again"
+            )
         self.size = size  # vehicles in the fleet
 
     def neighbours(self, vehicle: int) -> list[int]:
@@ -70,7 +72,7 @@ class Library:
         return self._pair(self._c.gaincert_torques, vehicle, t, state)
 
     def accelerations(self, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
-        """What these torques accelerate: v' and omega', m/s^2 and rad/s^2."""
+        """The accelerations v' and omega' under these torques, m/s^2 and rad/s^2."""
         return self._pair(self._c.gaincert_accelerations, vehicle, t, state)
 
     def _pair(self, function: object, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
@@ -81,10 +83,10 @@ class Library:
 
 
 class FleetState:
-    """What one robot knows of the fleet: C arrays over the vehicles, NaN where nothing is known, and how old it is."""
+    """One robot's knowledge of the fleet: C arrays over the vehicles, NaN if unknown, and its age."""
 
     def __init__(self, size: int) -> None:
-        """Know nothing."""
+        """Start without knowledge."""
         unknown = [math.nan] * size
         self.x, self.y, self.theta, self.v, self.omega = ((ctypes.c_double * size)(*unknown) for _ in range(5))
         self.heard = [-math.inf] * size  # s
@@ -97,13 +99,13 @@ class FleetState:
         return theta
 
     def hear(self, vehicle: int, now: float, pose: tuple[float, float, float]) -> None:
-        """Take a pose whose heading is on the real line. One that is not finite is not heard."""
+        """Take a pose whose heading is on the real line. Poses that are not finite are ignored."""
         if all(map(math.isfinite, pose)):
             self.x[vehicle], self.y[vehicle], self.theta[vehicle] = pose
             self.heard[vehicle] = now
 
     def pose(self, vehicle: int) -> tuple[float, float, float]:
-        """What is known of a vehicle's pose."""
+        """The last known pose of a vehicle."""
         return self.x[vehicle], self.y[vehicle], self.theta[vehicle]
 
     def place(self, vehicle: int, values: list[float]) -> None:
@@ -123,12 +125,12 @@ def yaw(x: float, y: float, z: float, w: float) -> float:
 
 
 def unwrapped(angle: float, last: float) -> float:
-    """The number equal to `angle` modulo 2 pi that is nearest to `last`; `angle` itself where `last` is not known."""
+    """The number equal to `angle` modulo 2 pi that is nearest to `last`; `angle` itself if `last` is not known."""
     return angle if math.isnan(last) else last + math.remainder(angle - last, math.tau)
 
 
 def command(library: Library, vehicle: int, t: float, now: float, state: FleetState, max_age: float) -> list[float]:
-    """What the wheels get: the controller's torques, N m, or 0 where a pose is too old or the result is no number."""
+    """The command for the wheels: the controller's torques, N m, or 0 if a pose is too old or the result is NaN."""
     if not state.fresh([vehicle, *library.neighbours(vehicle)], now, max_age):
         return [0.0, 0.0]
     torques = library.torques(vehicle, t, state)
@@ -136,23 +138,23 @@ def command(library: Library, vehicle: int, t: float, now: float, state: FleetSt
 
 
 class CommandedVelocity:
-    """The twist that a base is told: (13)-(14) integrated from the twist that it was told before."""
+    """The commanded twist of a base: (13)-(14) integrated from the last commanded twist."""
 
     def __init__(self, library: Library, vehicle: int, acceleration: float, turn_acceleration: float) -> None:
-        """Stand still. The accelerations (m/s^2, rad/s^2) are those of a stop."""
+        """Start at rest. The accelerations (m/s^2, rad/s^2) are for stopping."""
         self.library, self.vehicle = library, vehicle
         self.limits = acceleration, turn_acceleration
         self.twist = 0.0, 0.0  # m/s, rad/s
 
     def advance(self, t: float, step: float, now: float, state: FleetState, max_age: float) -> tuple[float, float]:
-        """The twist at t + step, where all poses that are needed are new enough, else a step towards 0."""
+        """The twist at t + step, if all required poses are new enough, else a step towards 0."""
         near = [self.vehicle, *self.library.neighbours(self.vehicle)]
         ahead = self._integrated(t, step, state) if state.fresh(near, now, max_age) else self._slower(step)
         self.twist = ahead if all(map(math.isfinite, ahead)) else self._slower(step)
         return self.twist
 
     def _integrated(self, t: float, step: float, state: FleetState) -> tuple[float, float]:
-        """One step of the classical Runge-Kutta method for the robot's own motion, its neighbours where they are."""
+        """One step of the classical Runge-Kutta method for the robot's own motion, with fixed neighbours."""
         start = [*state.pose(self.vehicle), *self.twist]
         slope, total = [0.0] * 5, [0.0] * 5
         for share, weight in ((0.0, 1), (0.5, 2), (0.5, 2), (1.0, 1)):
@@ -163,7 +165,7 @@ class CommandedVelocity:
         return start[3] + step / 6 * total[3], start[4] + step / 6 * total[4]
 
     def _slope(self, t: float, own: list[float], state: FleetState) -> list[float]:
-        """The rate of change of own x, y, theta, v, omega on a base that does what it is told."""
+        """The rate of change of own x, y, theta, v, omega on a base that follows its commands."""
         state.place(self.vehicle, own)
         _, _, theta, v, omega = own
         return [v * math.cos(theta), v * math.sin(theta), omega, *self.library.accelerations(self.vehicle, t, state)]

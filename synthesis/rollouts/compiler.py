@@ -59,7 +59,7 @@ def pointer(array: Array, kind: Any = Single) -> Pointer:
     """
     if array.dtype != kind or not array.flags.c_contiguous:
         raise TypeError(
-            f"an array of {array.dtype} with strides {array.strides} is not one of {kind.__name__} in a row"
+            f"an array of {array.dtype} with strides {array.strides} is not a contiguous array of {kind.__name__}"
         )
     where: Pointer = array.ctypes.data_as(Pointer)
     return where

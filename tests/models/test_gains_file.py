@@ -81,7 +81,7 @@ def test_what_a_design_says_of_itself_is_kept(tmp_path: Path) -> None:
 def test_a_file_of_another_kind_is_not_read(tmp_path: Path) -> None:
     path = tmp_path / "gains.yaml"
     path.write_text("p_v: 1")
-    assert refusal(path) == ["gains are read from .json, .csv and .toml files; rename it to what it is"]
+    assert refusal(path) == ["gains are read from .json, .csv and .toml files; give it the suffix of its format"]
 
 
 def test_a_design_of_another_fleet_is_refused(tmp_path: Path) -> None:

@@ -110,7 +110,7 @@ def test_the_command_line_says_what_is_missing(folder):
 
 def test_a_run_of_another_fleet_is_refused(run, folder):
     run.write(folder / "trajectory.npz", {"fleet_digest": "sha256:0"})
-    with pytest.raises(InputError, match="is of another fleet; simulate again"):
+    with pytest.raises(InputError, match="belongs to another fleet; simulate again"):
         export(folder, "mcap")
 
 

@@ -172,5 +172,5 @@ def test_ends_of_edges_are_gathered_and_summed_up() -> None:
 def test_arrays_of_another_type_are_refused() -> None:
     with pytest.raises(TypeError, match="float64"):
         pointer(np.zeros((2, 3)))
-    with pytest.raises(TypeError, match="in a row"):
+    with pytest.raises(TypeError, match="is not a contiguous array"):
         pointer(np.zeros((3, 2), Single).T)

@@ -140,7 +140,7 @@ class Outcomes:
     """One entry per start, (B,)."""
 
     settling_time: Floats  # s, inf where not settled at the end
-    approach: tuple[Approach, ...]  # what the error does at the end, where not settled
+    approach: tuple[Approach, ...]  # how the error moves at the end, if not settled
     torque_ratio: Floats  # the largest commanded |torque| divided by its limit; torques are held, so this is exact
     final_position: Floats  # m
     final_heading: Floats  # rad

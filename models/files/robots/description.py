@@ -62,8 +62,8 @@ def read_robot(path: Path, names: WheelNames | None = None, given: Iterable[str]
         tree = read_tree(root)
         if word := _holonomic(tree, root.findall("gazebo")):
             raise ValueError(
-                f"is a mecanum or omnidirectional base ({word!r}); (2) is of wheels that do not slide sideways: no "
-                "gains can be designed for it"
+                f"is a mecanum or omnidirectional base ({word!r}); (2) holds for wheels that do not slide sideways: "
+                "no gains can be designed for it"
             )
         wheels = named_wheels(tree, names) if names else found_wheels(tree)
         numbers = {"half_track": Quantity(_decimal(wheels.half_track), _joints(wheels.all))}

@@ -91,5 +91,5 @@ def impossible_inertias(bodies: Iterable[Body], yaw_inertia: float, wheels: set[
         if body.link in wheels or excess > NEGLIGIBLE * yaw_inertia:
             mistakes.append(line + "correct its <inertia>")
         else:
-            warnings.append(line + f"taken as it is: it is below {NEGLIGIBLE:.1%} of the robot's yaw inertia")
+            warnings.append(line + f"used unchanged: it is below {NEGLIGIBLE:.1%} of the robot's yaw inertia")
     return mistakes, warnings

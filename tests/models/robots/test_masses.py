@@ -39,7 +39,7 @@ def test_a_finger_that_breaks_it_is_said_and_does_not_count(read):
     finger = link("finger", inertial(0.05, 1e-4, 0, 0)) + joint("f", "finger", kind="prismatic")
     (warning,) = read(BASE, PAIR, finger).warnings
     assert warning.startswith("link 'finger': the principal moments 0, 0, 0.0001 kg m^2 are no body's")
-    assert warning.endswith("taken as it is: it is below 0.1% of the robot's yaw inertia")
+    assert warning.endswith("used unchanged: it is below 0.1% of the robot's yaw inertia")
 
 
 def test_products_of_inertia_may_make_a_moment_negative(read):
