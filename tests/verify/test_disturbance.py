@@ -18,7 +18,8 @@ from gaincert.verify.simulation.integrators import Adams
 from gaincert.verify.simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
 from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import Summary
-from gaincert.verify.validation.robustness import DisturbedRuns
+from gaincert.verify.validation.robustness import DisturbedRuns, robustness
+from gaincert.verify.validation.validate import make_spec, run_start
 
 WIDE = Tolerance(20.0, 5.0)
 
@@ -144,3 +145,24 @@ def test_the_table_of_a_fleet_file_says_the_same_as_options(paper) -> None:
     assert fleet.digest == paper.digest  # a certificate does not depend on it
     assert parse(tomllib.loads(dumps(fleet), parse_float=Decimal)) == fleet
     assert of_table(None) == Disturbance()
+
+
+def test_the_largest_sample_time_is_searched_for_with_the_other_disturbances_on(
+    paper, loop, starts, monkeypatch
+) -> None:
+    searched = []
+
+    def search(sampled: SampledLoop, _starts: list[State]) -> float:
+        searched.append(sampled.disturbance)
+        return 0.03
+
+    monkeypatch.setattr("gaincert.verify.validation.robustness.largest_sample_time", search)
+    spec = make_spec(paper, loop, {}, horizon=1.0, tolerance=WIDE, versions={})
+    results = [run_start(spec, number, start) for number, start in enumerate(starts)]
+    real = Disturbance(0.02, delay=0.04, noise_position=0.01)
+    found = robustness(paper, spec, starts, results, disturbance=real, largest=True)
+    assert searched == [real]
+    expected = "all starts settle within torque limits, with the other disturbances on, up to a sample time of 0.03 s"
+    assert found.sentences()[-1] == expected
+    robustness(paper, spec, starts, results, disturbance=None, largest=True)
+    assert searched[-1] == Disturbance()

@@ -80,13 +80,15 @@ class Robustness:
         """The same for a reader."""
         lines = [runs.sentence() for runs in self.disturbed]
         if self.searched:
-            largest = self.largest_sample_time
+            largest, what = self.largest_sample_time, f"all starts settle within torque limits{self._others}"
             lines.append(
-                "no sample time lets all starts settle"
-                if largest is None
-                else f"largest sample time at which all starts settle within torque limits: {largest:.3g} s"
+                f"{what} at no sample time" if largest is None else f"{what} up to a sample time of {largest:.3g} s"
             )
         return lines
+
+    @property
+    def _others(self) -> str:
+        return ", with the other disturbances on" if len(self.disturbed) > 1 else ""
 
 
 UNTRIED = Robustness()
@@ -102,7 +104,10 @@ def robustness(
     largest: bool,
     progress: Progress = lambda _what, _fraction: None,
 ) -> Robustness:
-    """Each kind of disturbance against the nominal results of the same starts; the largest sample time on request."""
+    """Each kind of disturbance against the nominal results of the same starts; the largest sample time on request.
+
+    The search for it keeps all other disturbances on.
+    """
 
     def sampled(real: Disturbance) -> SampledLoop:
         return SampledLoop(fleet, spec.loop, real, spec.horizon, spec.tolerance)
@@ -116,4 +121,4 @@ def robustness(
     if not largest:
         return Robustness(tuple(disturbed))
     progress("largest sample time", 0.0)
-    return Robustness(tuple(disturbed), True, largest_sample_time(sampled(Disturbance()), starts))
+    return Robustness(tuple(disturbed), True, largest_sample_time(sampled(disturbance or Disturbance()), starts))
