@@ -162,7 +162,7 @@ def test_the_largest_sample_time_is_searched_for_with_the_other_disturbances_on(
     real = Disturbance(0.02, delay=0.04, noise_position=0.01)
     found = robustness(paper, spec, starts, results, disturbance=real, largest=True)
     assert searched == [real]
-    expected = "all starts settle within torque limits, with the other disturbances on, up to a sample time of 0.03 s"
+    expected = "up to a sample time of 0.03 s all starts settle within torque limits, with the other disturbances on"
     assert found.sentences()[-1] == expected
     robustness(paper, spec, starts, results, disturbance=None, largest=True)
     assert searched[-1] == Disturbance()
