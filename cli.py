@@ -22,6 +22,7 @@ from .workflows.inputs import (
     tolerance_of,
 )
 from .workflows.obstacles import say_obstacles
+from .workflows.physics import PhysicsRun, validate_in_physics
 from .workflows.prove import check_formally, prove_claims, theorem_holds
 from .workflows.run import Pipeline
 from .workflows.simulate import Simulation, simulate_schemes
@@ -191,6 +192,7 @@ def validate(
     lost_link: cli.LostLink = None,
     largest_sample_time: cli.LargestSampleTime = False,
     replay: cli.Replay = None,
+    plant: cli.PlantOption = cli.Plant.model,
 ) -> Outcome:
     """Simulate from many starts; continues an interrupted validation."""
     fleet = read_fleet(fleet_path)
@@ -198,14 +200,18 @@ def validate(
     count = starts if replay is None else max(starts, replay + 1)
     drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
+    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
+    if plant is cli.Plant.mujoco:
+        physics = PhysicsRun(drawn.states, end, settled, real, workers)
+        document = validate_in_physics(printer, fleet, chosen, physics, folder)
+        return Outcome(document, validation_exit_code(document))
     spec, digests = spec_of(fleet, chosen, drawn, end, settled, integrator), digests_of(fleet, chosen)
     if replay is not None:
         document = replay_start(printer, Validation(spec, digests, drawn.states, seed), replay, folder)
         return Outcome.of(document, true=document["same"] is not False)
-    disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
     random_seed = None if starts_file else seed
     validation = Validation(
-        spec, digests, drawn.states, random_seed, disturbance, largest_sample_time, pool=Pool(workers, scheduler)
+        spec, digests, drawn.states, random_seed, real, largest_sample_time, pool=Pool(workers, scheduler)
     )
     document = validate_starts(printer, fleet, validation, folder)
     return Outcome(document, validation_exit_code(document))

@@ -61,6 +61,13 @@ class Interface(StrEnum):
     velocity = "velocity"
 
 
+class Plant(StrEnum):
+    """What `validate` runs the controller on."""
+
+    model = "model"
+    mujoco = "mujoco"
+
+
 class Animation(StrEnum):
     """File formats of an animation."""
 
@@ -198,6 +205,9 @@ StartsFile = Annotated[
 Workers = Annotated[int | None, typer.Option(min=1, max=1024, help="number of processes [default: one for every core]")]
 Scheduler = Annotated[
     str | None, typer.Option(metavar="tcp://HOST:PORT", help="run the work on this Dask cluster instead")
+]
+PlantOption = Annotated[
+    Plant, typer.Option(help="equations (1)-(2), or MuJoCo driven by the exported C controller (extra [robots])")
 ]
 LargestSampleTime = Annotated[
     bool,

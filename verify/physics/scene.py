@@ -1,4 +1,4 @@
-"""The fleet as a MuJoCo model: bodies with its masses and inertias, wheels that roll on contact, casters without friction.
+"""The fleet as a MuJoCo model: its masses and inertias, wheels that roll on contact, casters without friction.
 
 A wheel touches the floor in one point, as a sphere does: the contact of a cylinder of some width resists turning on the
 spot, which (2) does not know. Robots do not touch each other.
@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from xml.etree import ElementTree
-
-import numpy as np
 
 from ...models.errors import InputError
 from ...models.fleet import Fleet
@@ -48,8 +46,8 @@ class Bodies:
         yaw = inertia - 2 * (wheel * R**2 + spin / 2) - base * (ahead**2 + left**2)
         if yaw <= 0:
             raise InputError(
-                f"vehicle {vehicle.name!r}: inertia = {inertia:g} kg m^2 is less than its wheels (J = {spin:g} kg m^2) and "
-                f"its centre of mass off the axle have ({inertia - yaw:g}); correct inertia, wheel_inertia or com_offset"
+                f"vehicle {vehicle.name!r}: inertia = {inertia:g} kg m^2 is less than its wheels and its centre of "
+                f"mass off the axle need, {inertia - yaw:g}; correct inertia, wheel_inertia or com_offset"
             )
         return cls(base, (ahead, left), yaw, wheel, spin)
 
@@ -57,8 +55,10 @@ class Bodies:
 def scene_xml(fleet: Fleet, coulomb: float, viscous: float, time_step: float = TIME_STEP) -> str:
     """The MJCF text; friction at every wheel: coulomb in N m, viscous in N m s/rad."""
     root = ElementTree.Element("mujoco", model="gaincert")
-    options = {"timestep": f"{time_step!r}", "integrator": "implicitfast", "cone": "elliptic", "impratio": "100"}
-    ElementTree.SubElement(root, "option", gravity="0 0 -9.81", solver="Newton", tolerance="1e-12", **options)
+    options = {"gravity": "0 0 -9.81", "solver": "Newton", "tolerance": "1e-12", "integrator": "implicitfast"}
+    ElementTree.SubElement(
+        root, "option", {**options, "timestep": f"{time_step!r}", "cone": "elliptic", "impratio": "100"}
+    )
     world = ElementTree.SubElement(root, "worldbody")
     ElementTree.SubElement(world, "geom", type="plane", size="0 0 1", contype="1", conaffinity="1")
     actuators = ElementTree.SubElement(root, "actuator")
@@ -77,7 +77,8 @@ def _robot(
     _inertial(base, (*bodies.base_centre, 0.0), bodies.base_mass, (0.6, 0.6, 1.0), bodies.base_inertia)
     for side, y in (("left", R), ("right", -R)):
         wheel = ElementTree.SubElement(base, "body", name=f"{side}_{i}", pos=f"0 {y!r} 0")
-        ElementTree.SubElement(wheel, "joint", name=f"{side}_{i}", type="hinge", axis="0 1 0", **friction)
+        joint = {"name": f"{side}_{i}", "type": "hinge", "axis": "0 1 0"}
+        ElementTree.SubElement(wheel, "joint", {**joint, **friction})
         _inertial(wheel, (0.0, 0.0, 0.0), bodies.wheel_mass, (0.5, 1.0, 0.5), bodies.spin)
         _ball(wheel, r, (0.0, 0.0, 0.0), f"{FRICTION} 0 0", "3")
         ElementTree.SubElement(actuators, "motor", name=f"{side}_{i}", joint=f"{side}_{i}")
@@ -96,16 +97,6 @@ def _inertial(
 
 def _ball(body: ElementTree.Element, radius: float, place: tuple[float, ...], friction: str, dimension: str) -> None:
     """A geometry that touches the floor and nothing else; its friction wins over the floor's."""
-    ElementTree.SubElement(
-        body,
-        "geom",
-        type="sphere",
-        size=repr(radius),
-        pos=" ".join(map(repr, place)),
-        friction=friction,
-        condim=dimension,
-        contype="0",
-        conaffinity="1",
-        priority="1",
-        **_CONTACT,
-    )
+    shape = {"type": "sphere", "size": repr(radius), "pos": " ".join(map(repr, place))}
+    touch = {"friction": friction, "condim": dimension, "contype": "0", "conaffinity": "1", "priority": "1", **_CONTACT}
+    ElementTree.SubElement(body, "geom", {**shape, **touch})

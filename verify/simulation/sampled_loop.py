@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -46,7 +46,7 @@ class SampledLoop:
     def outcomes(self, starts: Sequence[State]) -> Outcomes:
         """All starts together. Raises UndecidedError where a state is no longer finite."""
         together = State(*map(np.stack, zip(*starts, strict=True)))
-        return self._outcomes(self._samples(together))
+        return self.outcomes_of(self.samples(together))
 
     def run(self, start: State, nominal: Summary) -> tuple[Summary, Trajectory]:
         """One start: the summary, beside that of the nominal run, and a trajectory.
@@ -55,13 +55,13 @@ class SampledLoop:
         """
         every, stored = max(1, round(STORED / self.disturbance.sample_time)), []
 
-        def storing() -> Iterator[_Sample]:
-            for number, sample in enumerate(self._samples(State(*(column[None] for column in start)))):
+        def storing() -> Iterator[Sample]:
+            for number, sample in enumerate(self.samples(State(*(column[None] for column in start)))):
                 if number % every == 0:
                     stored.append(sample)
                 yield sample
 
-        outcomes = self._outcomes(storing())
+        outcomes = self.outcomes_of(storing())
         state = State(*map(np.concatenate, zip(*(sample.before for sample in stored), strict=True)))
         t, left, right = zip(*((sample.t, sample.tau_left, sample.tau_right) for sample in stored), strict=True)
         energies = self.loop.translational_energy(state), self.loop.rotational_energy(state)
@@ -72,7 +72,7 @@ class SampledLoop:
         """The same loop at another sample time, s."""
         return replace(self, disturbance=replace(self.disturbance, sample_time=sample_time))
 
-    def _samples(self, state: State) -> Iterator[_Sample]:
+    def samples(self, state: State) -> Iterator[Sample]:
         """The motion from a state (..., N), sample by sample. Raises UndecidedError where it is not finite."""
         loop, disturbance = self.loop, self.disturbance
         random = np.random.default_rng(disturbance.seed)
@@ -83,17 +83,18 @@ class SampledLoop:
             t = number * disturbance.sample_time
             lost = disturbance.lost_link is not None and t >= disturbance.lost_at
             plant = _with_link_lost(self.fleet, loop.plant, disturbance) if lost else loop.plant
-            measured = _measured(state, disturbance, random)
+            measured = measured_state(state, disturbance, random)
             torques = control(loop.ops, plant, loop.gains, loop.psi(t), measured)
             waiting.append(torques)
             before, state = state, _step(true, state, *waiting.popleft(), disturbance)
-            yield _Sample(t, before, state, *torques)
+            yield Sample(t, before, state, *torques)
         if not all(np.isfinite(column).all() for column in state):
             raise UndecidedError(
                 f"the disturbed motion is no longer finite by {self.horizon:g} s; shorten the sample time"
             )
 
-    def _outcomes(self, samples: Iterator[_Sample]) -> Outcomes:
+    def outcomes_of(self, samples: Iterable[Sample]) -> Outcomes:
+        """What the motion comes to that these samples are of, (B, N) each, by whatever physics."""
         last: Any = 0.0
         peak: Any = 0.0
         errors: list[Any] = [0.0, 0.0]  # the largest excess in the part of the run before the last, and in the last
@@ -152,7 +153,7 @@ class Outcomes:
 
 
 @dataclass(frozen=True, eq=False)
-class _Sample:
+class Sample:
     """One sample time of a disturbed motion."""
 
     t: float  # s, when it begins
@@ -196,7 +197,7 @@ def _true_plant(plant: Plant, disturbance: Disturbance, random: np.random.Genera
     return replace(plant, **{name: getattr(plant, name) * factor for name, factor in zip(names, factors, strict=True)})
 
 
-def _measured(state: State, disturbance: Disturbance, random: np.random.Generator) -> State:
+def measured_state(state: State, disturbance: Disturbance, random: np.random.Generator) -> State:
     """The state with white noise, as the controller measures it."""
     position, heading, speed = disturbance.noise_position, disturbance.noise_heading, disturbance.noise_speed
     if not (position or heading or speed):
