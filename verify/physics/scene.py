@@ -23,6 +23,9 @@ CLEARANCE = 2e-3  # of r: a caster hangs as high above the floor
 _CONTACT = {"solref": "0.004 1", "solimp": "0.99 0.999 0.0001"}  # stiff: a wheel creeps little under load
 
 
+_DRY = {"solreffriction": "0.002 1", "solimpfriction": "0.999 0.9999 0.0001"}  # a wheel below its friction stands still
+
+
 @dataclass(frozen=True)
 class Bodies:
     """How one robot's mass and inertia are shared between its base and its wheels."""
@@ -63,7 +66,7 @@ def scene_xml(fleet: Fleet, coulomb: float, viscous: float, time_step: float = T
     ElementTree.SubElement(world, "geom", type="plane", size="0 0 1", contype="1", conaffinity="1")
     actuators = ElementTree.SubElement(root, "actuator")
     for i, vehicle in enumerate(fleet.vehicles):
-        _robot(world, actuators, i, vehicle, {"frictionloss": f"{coulomb!r}", "damping": f"{viscous!r}"})
+        _robot(world, actuators, i, vehicle, {"frictionloss": f"{coulomb!r}", "damping": f"{viscous!r}", **_DRY})
     return ElementTree.tostring(root, encoding="unicode")
 
 
