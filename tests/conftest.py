@@ -8,6 +8,7 @@ import importlib.util
 import os
 import shutil
 import zlib
+from collections import Counter
 from fractions import Fraction
 from pathlib import Path
 
@@ -61,6 +62,13 @@ def _missing():
         for tool, (names, remedy) in TOOLS.items()
         if not any(map(_is_there, names))
     }
+
+
+def pytest_collection_modifyitems(config, items):
+    """On several processes, files with slow tests first: none of them is left for the end, when others are idle."""
+    if hasattr(config, "workerinput"):
+        slow = Counter(item.path for item in items if item.get_closest_marker("slow"))
+        items.sort(key=lambda item: -slow[item.path])  # stable: the order within a file stays
 
 
 @pytest.hookimpl(tryfirst=True)

@@ -1,5 +1,6 @@
 """The conditions: the paper's numbers, exactness to the last place, and their promises about torque and speed."""
 
+import itertools
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -625,21 +626,36 @@ def test_atanh_from_above(q):
     assert atanh_above(Fraction(1)) == atanh_above(Fraction(3, 2)) == math.inf
 
 
-def test_spinning_wheels_count_as_mass_and_inertia(content):
-    """m + 2 J / r^2 and I + 2 J (arm / r)^2, in the plant and, as the least ones, in the conditions."""
+def with_wheels(content, radius, half_track):
+    """A fleet whose first vehicle has wheels of unknown inertia, and the factor of R in its lever arm."""
     vehicle = content["vehicle"][0]
-    vehicle |= {"mass": "3", "inertia": "0.05", "half_track": "0.2", "wheel_radius": ["0.04", "0.05"]}
+    vehicle |= {"mass": "3", "inertia": "0.05", "half_track": half_track, "wheel_radius": radius}
     vehicle["wheel_inertia"] = ["0.001", "0.003"]
     fleet = Fleet.model_validate(content)
-    factor = 2 if fleet.drive == "paper" else 1
-    plant, data = fleet.plant(), fleet.condition_data(Excitation(Fraction(0), Fraction(1), (Fraction(1),)))
-    assert plant.m[0] == pytest.approx(3 + 2 * 0.002 / 0.045**2)
-    assert plant.inertia[0] == pytest.approx(0.05 + 2 * 0.002 * (factor * 0.2 / 0.045) ** 2)
+    data = fleet.condition_data(Excitation(Fraction(0), Fraction(1), (Fraction(1),)))
+    return fleet, data, 2 if fleet.drive == "paper" else 1
+
+
+def test_spinning_wheels_count_as_mass_and_inertia(content):
+    """m + 2 J / r^2 and I + 2 J (arm / r)^2, in the plant and, as the least ones, in the conditions."""
+    fleet, data, factor = with_wheels(content, "0.05", "0.2")
+    plant = fleet.plant()
+    assert plant.m[0] == pytest.approx(3 + 2 * 0.002 / 0.05**2)
+    assert plant.inertia[0] == pytest.approx(0.05 + 2 * 0.002 * (factor * 0.2 / 0.05) ** 2)
     assert data.m[0] == 3 + 2 * Fraction("0.001") / Fraction("0.05") ** 2
-    assert (
-        data.inertia[0] == Fraction("0.05") + 2 * Fraction("0.001") * (factor * Fraction("0.2") / Fraction("0.05")) ** 2
-    )
+    assert data.inertia[0] == Fraction("0.05") + 2 * Fraction("0.001") * (factor * Fraction(4)) ** 2
+
+
+def test_a_vehicle_may_have_other_wheels_than_its_controller_takes_it_to_have(content):
+    """It then moves as one of mass (m + 2 J / r'^2) r' / r, and of another inertia: the conditions take the least."""
+    _, data, factor = with_wheels(content, ["0.04", "0.05"], ["0.18", "0.2"])
     assert (data.longest_arm[0], data.smallest_r[0]) == (factor * Fraction("0.2"), Fraction("0.04"))
+    ends = itertools.product((0.04, 0.05), (0.04, 0.05), (factor * 0.18, factor * 0.2), (factor * 0.18, factor * 0.2))
+    r, r_true, arm, arm_true = np.array(list(ends)).T
+    masses = (3 + 2 * 0.001 / r_true**2) * r_true / r
+    inertias = (0.05 + 2 * 0.001 * (arm_true / r_true) ** 2) * (r_true / r) * (arm / arm_true)
+    assert 0.85 * masses.min() < data.m[0] <= masses.min()  # each term has its own worst case: a little too small
+    assert 0.85 * inertias.min() < data.inertia[0] <= inertias.min()
 
 
 @pytest.mark.parametrize("inertia", [["0.1"], ["0.2", "0.1"], -1])
