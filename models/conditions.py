@@ -43,8 +43,9 @@ class Inequality:
 
     @property
     def margin(self) -> Array:
-        """large - small, (N,)."""
-        return self.large - self.small
+        """large - small, (N,); NaN for a vehicle without the limit whose small side has no bound either."""
+        with np.errstate(invalid="ignore"):
+            return self.large - self.small
 
     @property
     def holds(self) -> Array:

@@ -48,7 +48,7 @@ def target(loader: str, folder: Path) -> Callable[[bytes], None]:
     from gaincert.models.files.gains_file import load_gains
     from gaincert.models.files.robots.description import read_robot
     from gaincert.models.files.starts_file import load_starts
-    from gaincert.verify.kernel import UnreadableError, check
+    from gaincert.verify.kernel import UnreadableError, check_data, read
 
     from tests.cli.test_bad_input import good_fleet
 
@@ -60,15 +60,15 @@ def target(loader: str, folder: Path) -> Callable[[bytes], None]:
         "design_json": ("design.json", lambda path: load_gains(path, fleet)),
         "starts": ("starts.csv", lambda path: load_starts(path, fleet)),
         "urdf": ("robot.urdf", read_robot),
-        "certificate": ("certificate.json", check),
+        "certificate": ("certificate.json", lambda path: check_data(read(path))),
     }
-    name, read = files[loader]
+    name, load_file = files[loader]
     path = folder / name
 
     def one_input(data: bytes) -> None:
         path.write_bytes(data)
         with contextlib.suppress(InputError, UnreadableError):
-            read(path)
+            load_file(path)
 
     return one_input
 

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import copy
-import hashlib
 import json
 import random
+import re
 from typing import Any
 
 import pytest
@@ -13,8 +13,10 @@ from gaincert.verify import kernel
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.campaigns.certificate_rows import column
 from tests.campaigns.certificate_truth import statement_is_true
 from tests.campaigns.certified_fleets import CASES
+from tests.verify.certificate_documents import check
 
 CHANGES = 300
 
@@ -22,7 +24,7 @@ CHANGES = 300
 def verdict(document: Any) -> str:
     """valid, invalid or refused."""
     try:
-        return "valid" if kernel.check(json.dumps(document)).valid else "invalid"
+        return "valid" if check(document).valid else "invalid"
     except kernel.UnreadableError:
         return "refused"
 
@@ -50,11 +52,11 @@ def _other(value: Any, rng: random.Random) -> Any:
         return rng.choice(["1", 0, [], {}])
     if isinstance(value, int):
         return value + rng.choice([-1, 1, -value, 1000, value // 1000 + 1])
-    if isinstance(value, str) and value.lstrip("-").replace(".", "", 1).isdigit():
-        return _other_number(value, rng)
+    if isinstance(value, str) and NUMBERS.fullmatch(value) and rng.random() < 0.9:
+        return _other_column(value, rng)
     if isinstance(value, str):
-        place = rng.randrange(len(value))
-        return value[:place] + rng.choice("vx07'(") + value[place + 1 :] if rng.random() < 0.8 else value[:-1]
+        place = rng.randrange(len(value) + 1)
+        return value[:place] + rng.choice("vx07'( .-") + value[place + 1 :] if rng.random() < 0.8 else value[:-1]
     if isinstance(value, list):
         spoiled = list(value)
         rng.choice([spoiled.reverse, spoiled.clear, lambda: spoiled.append("1"), lambda: spoiled and spoiled.pop()])()
@@ -67,9 +69,26 @@ def _other(value: Any, rng: random.Random) -> Any:
     return spoiled_table
 
 
+NUMBERS = re.compile(r"-?[0-9.]+( -?[0-9.]+)*")
+
+
+def _other_column(value: str, rng: random.Random) -> str:
+    """One number of a column changed, or two exchanged, with all places written out again."""
+    texts = value.split(" ")
+    place = rng.randrange(len(texts))
+    if len(texts) > 1 and rng.random() < 0.2:
+        other = rng.randrange(len(texts))
+        texts[place], texts[other] = texts[other], texts[place]
+        return " ".join(texts)
+    texts[place] = _other_number(texts[place], rng)
+    return column(texts)
+
+
 def _other_number(value: str, rng: random.Random) -> str:
     digits = [place for place, letter in enumerate(value) if letter.isdigit()]
     place = rng.choice(digits)
+    if "." not in value and rng.random() < 0.5:  # an index or a count too
+        return str(int(value) + rng.choice([-1, 1]))
     return rng.choice(
         [
             value[:place] + str((int(value[place]) + rng.randint(1, 9)) % 10) + value[place + 1 :],
@@ -88,8 +107,8 @@ def test_no_false_statement_is_accepted(name: str) -> None:
     original = json.loads(CASES[name]().certificate.to_json())
     rng = random.Random(f"mutations of {name}")  # noqa: S311
     paths = fields(original)
-    # Fleet and forest hold most of the fields; half of the changes go to what the kernel has to compute.
-    decided = [path for path in paths if path[0] not in ("fleet", "forest")]
+    # The fleet holds most of the fields; half of the changes go to what the kernel has to compute.
+    decided = [path for path in paths if path[0] not in ("fleet", "tree")]
     found = {"valid": 0, "invalid": 0, "refused": 0}
     while sum(found.values()) < CHANGES:
         mutant = changed(original, rng.choice(rng.choice([paths, decided])), rng)
@@ -98,50 +117,51 @@ def test_no_false_statement_is_accepted(name: str) -> None:
         outcome = verdict(mutant)
         found[outcome] += 1
         if outcome == "valid":
-            assert statement_is_true(mutant, original), json.dumps(mutant)
+            assert statement_is_true(mutant), json.dumps(mutant)
     print(name, found)
     assert found["invalid"] + found["refused"] > CHANGES / 2
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_no_false_statement_about_another_fleet_is_accepted(name: str) -> None:
-    # With the digest of the changed fleet, so that the rules themselves have to find what is false.
     original = json.loads(CASES[name]().certificate.to_json())
     rng = random.Random(f"fleets like {name}")  # noqa: S311
     paths = [("fleet", *path) for path in fields(original["fleet"])]
     for _ in range(CHANGES // 3):
-        mutant = signed(changed(original, rng.choice(paths), rng))
+        mutant = changed(original, rng.choice(paths), rng)
         if verdict(mutant) == "valid":
-            assert statement_is_true(mutant, mutant), json.dumps(mutant)
-
-
-def signed(document: Any) -> Any:
-    text = json.dumps(document["fleet"], sort_keys=True, separators=(",", ":"))
-    return {**document, "digest": "sha256:" + hashlib.sha256(text.encode()).hexdigest()}
+            assert statement_is_true(mutant), json.dumps(mutant)
 
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_independent_evaluation_accepts_the_original_and_sees_what_is_false(name: str) -> None:
     original = json.loads(CASES[name]().certificate.to_json())
-    assert statement_is_true(original, original)
-    spoiled = copy.deepcopy(original)
-    spoiled["gains"]["d_v"][0] = str(10 * float(spoiled["gains"]["d_v"][0]))
-    assert not statement_is_true(spoiled, original)
+    assert statement_is_true(original)
+    for gain, factor in (("d_v", 10), ("speed_scale", 100), ("heading_scale", 100)):
+        spoiled = copy.deepcopy(original)
+        texts = spoiled["gains"][gain].split()
+        spoiled["gains"][gain] = column([f"{factor * float(texts[0]):f}", *texts[1:]])
+        if gain != "speed_scale" or name == "mixed_ring":  # whose first vehicle has a speed limit
+            assert not statement_is_true(spoiled), gain
 
 
 def test_every_field_of_the_fleet_is_bound_by_the_digest() -> None:
     original = json.loads(CASES["paper"]().certificate.to_json())
+    digest = CASES["paper"]().fleet.digest
     rng = random.Random(5)  # noqa: S311
     for path in fields(original["fleet"]):
         mutant = changed(original, ("fleet", *path), rng)
-        assert mutant == original or verdict(mutant) != "valid", path
+        try:
+            assert mutant == original or not check(mutant, digest).valid, path
+        except kernel.UnreadableError:
+            continue
 
 
 def test_a_change_of_the_provenance_changes_no_claim() -> None:
     original = json.loads(CASES["line"]().certificate.to_json())
-    facts = kernel.check(json.dumps(original)).theorem
+    facts = check(original).theorem
     original["provenance"] = {"versions": "whatever"}
-    assert kernel.check(json.dumps(original)).theorem == facts
+    assert check(original).theorem == facts
 
 
 anything = st.recursive(
@@ -172,7 +192,7 @@ def test_any_value_in_any_place_gets_a_verdict_or_a_refusal(data: st.DataObject,
 @given(st.text() | st.binary().map(lambda data: data.decode("latin-1")) | anything.map(json.dumps))
 def test_any_text_gets_a_refusal(text: str) -> None:
     with pytest.raises(kernel.UnreadableError):
-        kernel.check("{" + text)
+        kernel.check_data(("{" + text).encode("utf-8", "surrogatepass"))
 
 
 @settings(max_examples=200, deadline=None)
@@ -189,6 +209,6 @@ def test_any_change_of_a_byte_gets_a_verdict_or_a_refusal(data: st.DataObject) -
 
 def _reason(document: Any) -> str:
     try:
-        return kernel.check(json.dumps(document)).reason
+        return check(document).reason
     except kernel.UnreadableError as error:
         return str(error)

@@ -223,7 +223,7 @@ def test_a_changed_certificate_is_valid_only_where_it_is_true(content: Any) -> N
     found = verdict(content if isinstance(content, bytes) else json.dumps(content).encode())
     if found is not None and found.valid:
         stated = json.loads(content) if isinstance(content, bytes) else content
-        assert statement_is_true(stated, LINE)
+        assert statement_is_true(stated)
 
 
 @budget(150)
