@@ -81,9 +81,8 @@ class Robustness:
         lines = [runs.sentence() for runs in self.disturbed]
         if self.searched:
             largest, what = self.largest_sample_time, f"all starts settle within torque limits{self._others}"
-            lines.append(
-                f"{what} at no sample time" if largest is None else f"{what} up to a sample time of {largest:.3g} s"
-            )
+            when = "at no sample time" if largest is None else f"up to a sample time of {largest:.3g} s"
+            lines.append(f"{when} {what}")
         return lines
 
     @property
