@@ -24,10 +24,10 @@ def run() -> Trajectory:
 @pytest.mark.slow
 def test_cvodes_agrees_with_scipy_to_1e_6_over_300_s(run: Trajectory) -> None:
     fleet = paper_fleet()
-    plant, gains, ops = fleet.plant(), paper_gains().map(floats), numpy_ops()
+    plant, gains, ops, psi = fleet.plant(), paper_gains().map(floats), numpy_ops(), fleet.psi.map(float)
 
     def rate(t: float, x: np.ndarray) -> np.ndarray:
-        return np.concatenate(closed_loop(ops, plant, gains, fleet.psi.value(ops, t), State(*x.reshape(5, 6))))
+        return np.concatenate(closed_loop(ops, plant, gains, psi.value(ops, t), State(*x.reshape(5, 6))))
 
     ends = run.t[::100]
     start = np.concatenate(fleet.start())

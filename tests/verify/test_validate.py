@@ -226,17 +226,17 @@ def test_spread_counts_the_unsettled_as_later_than_all_others() -> None:
 @pytest.mark.slow
 def test_a_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path) -> None:
     gains = fast_gains(tmp_path)
-    arguments = [ROOT / "examples" / "paper.toml", "--gains", gains, "--starts", 40, "--box", 60, "--workers", 2]
-    arguments += ["--horizon", 150, "--seed", 11]
+    arguments = [ROOT / "examples" / "paper.toml", "--gains", gains, "--starts", 16, "--box", 60, "--workers", 2]
+    arguments += ["--horizon", 60, "--seed", 11]
     broken = tmp_path / "broken"
     process = subprocess.Popen(gaincert("validate", *arguments, "-o", broken), start_new_session=True)
     deadline = time.monotonic() + 120
-    while time.monotonic() < deadline and sum(path.read_bytes().count(b"\n") for path in broken.glob("*.jsonl")) < 5:
+    while time.monotonic() < deadline and sum(path.read_bytes().count(b"\n") for path in broken.glob("*.jsonl")) < 4:
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGKILL)
     process.wait()
     stored = next(broken.glob("*.jsonl")).read_bytes()
-    assert 5 <= stored.count(b"\n") < 41
+    assert 4 <= stored.count(b"\n") < 17
     documents = []
     for folder in (broken, tmp_path / "whole"):
         done = subprocess.run(
@@ -248,7 +248,7 @@ def test_a_run_that_was_killed_goes_on_where_it_stopped(tmp_path: Path) -> None:
     assert {key: (old, documents[1][key]) for key, old in documents[0].items() if old != documents[1][key]} == {}
     assert next(broken.glob("*.jsonl")).read_bytes().startswith(stored[: stored.rfind(b"\n") + 1])
     again = subprocess.run(
-        gaincert("validate", *arguments, "-o", broken, "--replay", 17, "--json"),
+        gaincert("validate", *arguments, "-o", broken, "--replay", 9, "--json"),
         capture_output=True,
         text=True,
         check=True,
@@ -282,7 +282,7 @@ def test_a_starts_file_and_its_mistakes(tmp_path: Path) -> None:
 def test_a_dask_cluster_gives_the_same_numbers_though_a_worker_is_killed(paper, chosen, tmp_path: Path) -> None:
     import distributed
 
-    spec, starts = spec_of(paper, chosen, horizon=100.0), random_starts(paper, 24, 3, 20.0)
+    spec, starts = spec_of(paper, chosen, horizon=40.0), random_starts(paper, 16, 3, 20.0)
     with local(2) as (pool, workers):
         expected = validate(spec, starts, tmp_path / "local", pool, workers)
     with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as machines:
