@@ -307,10 +307,10 @@ def broken_files(folder: Path) -> list[str]:
 def whole_json(path: Path) -> bool:
     """It parses; a certificate verifies."""
     json.loads(path.read_text())
-    return path.name != "certificate.json" or kernel.check(path).valid
+    return path.name != "certificate.json" or kernel.check_data(kernel.read(path)).valid
 
 
-def whole_ledger(path: Path) -> bool:
+def whole_results_file(path: Path) -> bool:
     """All lines parse but one that is not finished, which the next run cuts off."""
     lines = path.read_bytes().split(b"\n")[:-1]
     return all(isinstance(json.loads(line), dict) for line in lines)
@@ -336,7 +336,7 @@ def ends_with(end: bytes) -> Callable[[Path], bool]:
 
 CHECKS: dict[str, Callable[[Path], bool]] = {
     ".json": whole_json,
-    ".jsonl": whole_ledger,
+    ".jsonl": whole_results_file,
     ".npz": whole_arrays,
     ".csv": whole_table,
     ".toml": lambda path: bool(tomllib.loads(path.read_text())),
