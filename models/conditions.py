@@ -203,13 +203,18 @@ def casadi_numbers() -> Numbers:
     """CasADi columns."""
     import casadi as ca
 
-    tanh = _tanh_or(math.inf)
+    constant = _tanh_or(math.inf)
+
+    def tanh(q: Array) -> Array:
+        if isinstance(q, (ca.SX, ca.MX)):  # over a scale that is a variable
+            return ca.if_else(q > NEVER_BINDS, NEVER_BINDS, ca.tanh(q))
+        return ca.DM(constant(ca.DM(q).full()))
 
     def atanh(q: Array) -> Array:
         inside = ca.fmin(q, 1 - 1e-9)  # from 1 on the condition is violated by far
         return ca.log((1 + inside) / (1 - inside)) / 2
 
-    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), lambda q: ca.DM(tanh(ca.DM(q).full())), atanh)
+    return Numbers(lambda *parts: ca.sqrt(2 * _squares(*parts)), tanh, atanh)
 
 
 @cache

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
-from typing import Any
-
-import numpy as np
 
 from ..models.arrays import floats
 from ..models.conditions import ConditionSet, Inequality, exact_numbers
-from ..models.errors import InputError, UndecidedError
+from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet
 from ..models.fleet_tables import Links
@@ -23,13 +19,10 @@ from .programs.averaged import local_optima
 from .programs.rates import convex_designs
 from .programs.weights import design_weights
 from .rates import Rates, rates
-from .scaled_gains import Scalars
-from .search.ranking import rank_finally
+from .search.ranking import best_of
 from .search.search import search
-from .settings import MODES, Settings
-from .task import Candidate, Options, Progress, Task, prepare
-
-FALLBACK = Scalars(1.0, 3.0, 1.0, 1.0, 2.0, 1.0)  # feasible for every fleet once `within` has scaled it
+from .settings import MODES, WORK_PER_SECOND, Settings
+from .task import Options, Progress, Proposal, Task, prepare
 
 LOG = logging.getLogger(__name__)
 
@@ -43,10 +36,13 @@ class Design:
     conditions: ConditionSet
     excitation: Excitation
     excitation_designed: bool
-    gains: Gains  # of fractions that are decimals, (N,)
+    gains: Gains  # of fractions that are decimals, (N,), with their scales
     origin: str  # the program or search that proposed them
     rates: Rates
-    settling: tuple[float, ...]  # s, on the starts that the candidates were ranked on; inf where not settled
+    settling: tuple[float, ...]  # s, from the ranking starts; inf where not settled
+    settling_held: tuple[float, ...]  # the same with torques that are held and what the fleet's robots add
+    sample_time: float  # s, for which they are held
+    largest_sample_time: float | None  # s, up to which all ranking starts settle
     tolerance: Tolerance
     torque_factor: float  # the share of the torque limits that was allowed
     mode: str
@@ -71,10 +67,11 @@ def design(
     conditions: str = "paper",
     mode: str = "fast",
     excitation: str | None = None,
+    saturation: str | None = None,
     weights: str = "given",
     seed: int = 0,
     digits: int = 4,
-    time_limit: float = MODES["best"].seconds,
+    time_limit: float = 600.0,
     tolerance: Tolerance = Tolerance(),  # noqa: B008 -- frozen
     torque_factor: float = 1.0,
     box: float | None = None,
@@ -89,10 +86,11 @@ def design(
         conditions: "paper" for (15) and (16), "corrected" for (16*), "rate-bounded" for (15') and (16*).
         mode: "fast" for the averaged program, ranked by simulation, and a short search; "best" to search on.
         excitation: "given" or "designed"; None takes the fleet's own where it has one.
+        saturation: "given", "designed" or "unit" (the paper's controller); None takes the fleet's own where it has any.
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.
         seed: of the random starts and the search; the same seed gives the same gains.
         digits: significant digits of every gain.
-        time_limit: s of wall clock that mode "best" searches for, between the averaged program and the final ranking.
+        time_limit: s that mode "best" searches for on two cores; it counts work, so that every machine finds the same.
         tolerance: what counts as settled.
         torque_factor: at most this share of every torque limit is used, > 0 and at most 1.
         box: m, the side of the square around the goal that starts are drawn from; None takes the fleet's own scale.
@@ -110,17 +108,16 @@ def design(
         raise InputError(f"mode = {mode!r} is not known; choose one of {', '.join(MODES)}")
     if weights not in ("given", "designed"):
         raise InputError(f"weights = {weights!r} is not known; choose given or designed")
-    settings = settings or (replace(MODES["best"], seconds=time_limit) if mode == "best" else MODES[mode])
+    settings = settings or (
+        replace(MODES["best"], work=WORK_PER_SECOND * time_limit) if mode == "best" else MODES[mode]
+    )
     links = design_weights(fleet, settings.clarabel_seconds) if weights == "designed" else None
-    options = Options(conditions, excitation, seed, digits, tolerance, torque_factor, box)
+    options = Options(conditions, excitation, saturation, seed, digits, tolerance, torque_factor, box)
     task = prepare(fleet.with_links(links), options, settings)
     progress("solving the averaged program", 0.0)
-    proposed, horizon = candidates(task, executor)
-    searched = len(fleet) <= settings.searched_vehicles
-    if searched:
-        proposed = search(task, proposed, horizon, executor, progress)
-    ranked, times = rank_finally(task, proposed, searched, horizon, executor, progress)
-    best = ranked[0]
+    proposals = search(task, incumbents(task, executor), executor, progress)
+    ranked = best_of(task, proposals, executor, progress)
+    best = ranked.candidate
     return Design(
         fleet=fleet,
         links=links,
@@ -130,7 +127,10 @@ def design(
         gains=best.gains,
         origin=best.origin,
         rates=rates(task.plant, best.gains.map(floats), best.excitation, tolerance.position, tolerance.heading),
-        settling=tuple(times),
+        settling=ranked.settling,
+        settling_held=ranked.settling_held,
+        sample_time=task.setup.disturbance.sample_time,
+        largest_sample_time=ranked.largest_sample_time,
         tolerance=tolerance,
         torque_factor=torque_factor,
         mode=mode,
@@ -139,35 +139,15 @@ def design(
     )
 
 
-def candidates(task: Task, executor: Executor | None = None) -> tuple[list[Candidate], float]:
-    """Rounded candidates from the programs or the fallback, and the horizon that holds their tails, s.
+def incumbents(task: Task, executor: Executor | None = None) -> list[Proposal]:
+    """What the programs propose, or else the typical scalars.
 
-    All are solved in other processes where there is an executor.
+    The programs are solved in other processes where there is an executor.
     """
-    proposed: list[Candidate] = []
-    predicted = []
     with worker_errors():
         convex = executor.submit(convex_designs, task) if executor else None
-        optima = local_optima(task, task.half_width, executor)
+        averaged = executor.submit(local_optima, task, task.half_width) if executor else None
+        optima = averaged.result() if averaged else local_optima(task, task.half_width)
         designs = convex.result() if convex else convex_designs(task)
-    for scalars, time in optima:
-        proposed += _if_possible(task.candidate, "averaged program", scalars)
-        predicted.append(time)
-    for gains, tempo in designs:
-        proposed += _if_possible(task.rounded_candidate, "convex programs", gains, tempo)
-    if not proposed:
-        proposed.append(task.candidate("closed form", FALLBACK))
-    settings = task.settings
-    small = len(task.fleet) <= settings.ranked_vehicles
-    factor = settings.horizon_factor if small else settings.large_horizon_factor
-    horizon = factor * min(predicted, default=settings.unpredicted_time)
-    return proposed, float(np.clip(horizon, settings.shortest_horizon, settings.longest_horizon))
-
-
-def _if_possible(make: Callable[..., Candidate], origin: str, *solution: Any) -> list[Candidate]:
-    """The candidate of a solution, if it can be rounded within the conditions."""
-    try:
-        return [make(origin, *solution)]
-    except UndecidedError as error:
-        LOG.warning("%s: a candidate is left out: %s", origin, error)
-        return []
+    proposals = [*(task.proposal("averaged program", scalars) for scalars, _ in optima), *designs]
+    return proposals or [task.proposal("closed form", task.typical)]

@@ -5,11 +5,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from fractions import Fraction
 from typing import Any
 
 from ..models.digests import gains_digest
 from ..models.gains import GAIN_NAMES
 from ..models.numbers import decimal_text
+from ..models.saturation import Saturation
 from .design import Design
 
 Decimals = list[str]  # exact decimal numbers, in the order of the fleet file
@@ -51,7 +53,11 @@ class DesignFile:
     gains: dict[str, Decimals]
     origin: str
     predicted: PredictedFile
-    measured_settling_s: Measured  # on the starts of the final ranking
+    saturation: dict[str, Any]  # position, heading: decimals; speed, turn_rate: lists of decimals
+    measured_settling_s: Measured  # from the ranking starts
+    measured_settling_held_s: Measured  # the same with torques held for sample_time_s and other disturbances
+    sample_time_s: float
+    largest_sample_time_s: float | None  # up to which all ranking starts settle
     tolerance: ToleranceFile
     torque_factor: float
     margins: dict[str, Measured]  # by equation
@@ -83,7 +89,11 @@ class DesignFile:
             gains={name: [decimal_text(value) for value in getattr(design.gains, name)] for name in GAIN_NAMES},
             origin=design.origin,
             predicted=PredictedFile(*numbers),
+            saturation=_scales(design.gains.saturation, len(design.fleet)),
             measured_settling_s=[_finite(time) for time in design.settling],
+            measured_settling_held_s=[_finite(time) for time in design.settling_held],
+            sample_time_s=design.sample_time,
+            largest_sample_time_s=design.largest_sample_time,
             tolerance=ToleranceFile(tolerance.position, tolerance.heading),
             torque_factor=design.torque_factor,
             margins=margins,
@@ -98,5 +108,13 @@ class DesignFile:
         return asdict(self)
 
 
+def _scales(saturation: Saturation, vehicles: int) -> dict[str, Any]:
+    """The [saturation] of the file: one number per network scale, one per vehicle for the others."""
+    columns = saturation.columns(vehicles)
+    texts = {name: [decimal_text(Fraction(value)) for value in column] for name, column in columns.items()}
+    return {name: column[0] if name in ("position", "heading") else column for name, column in texts.items()}
+
+
 def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    """A number to six digits, in which all processors agree; None for infinity."""
+    return float(f"{value:.6g}") if math.isfinite(value) else None

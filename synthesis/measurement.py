@@ -1,4 +1,4 @@
-"""Measures candidates by simulation over starts: what every ranking rests on."""
+"""Measures controllers by simulation over starts: what every ranking rests on."""
 
 from __future__ import annotations
 
@@ -12,43 +12,92 @@ from typing import NamedTuple
 import numpy as np
 
 from ..models.arrays import floats
-from ..models.equations import Plant, State
 from ..models.errors import UndecidedError
-from ..models.tolerance import Tolerance
-from .cost import NEVER, Run
-from .modes import MODES, modes
-from .rollouts.settling import Limits, Settling, Trial, settle_all
-from .rollouts.tail_times import tail_times
-from .settings import Settings
-from .task import Candidate, Task
+from .rollouts.closed_loop import Controls
+from .rollouts.columns import Columns, Setup
+from .rollouts.continuous import Continuous
+from .rollouts.runge_kutta import Array
+from .rollouts.sampled import Sampled
+from .rollouts.settling import Outcomes, settle_all
+from .task import Candidate, Proposal
+
+
+class StartSet(NamedTuple):
+    """Starts for the ideal robot and for the one whose torques are held, (5, N, S) singles each."""
+
+    continuous: Array
+    sampled: Array
+
+    @classmethod
+    def halves(cls, starts: Array) -> StartSet:
+        """Every other start for one of them, so that each start is simulated once."""
+        return cls(starts[..., ::2], starts[..., 1::2])
+
+    @classmethod
+    def both(cls, starts: Array) -> StartSet:
+        """All starts for both."""
+        return cls(starts, starts)
+
+    @staticmethod
+    def joined(sets: Sequence[StartSet]) -> StartSet:
+        """Several sets as one."""
+        return StartSet(*(np.concatenate(starts, axis=-1) for starts in zip(*sets, strict=True)))
 
 
 class Job(NamedTuple):
-    """Candidates to be measured in one process."""
+    """Rollouts of one process."""
 
-    plant: Plant
-    candidates: Sequence[Candidate]
-    starts: Sequence[State]
-    limits: Limits
-    tolerance: Tolerance
-    settings: Settings
+    kind: type[Columns]
+    setup: Setup
+    controls: Controls
+    starts: Array
+    horizon: float  # s
+
+
+def controls_of(controllers: Sequence[Proposal | Candidate]) -> Controls:
+    """The numbers of several controllers side by side."""
+    frequencies = [
+        one.frequency if isinstance(one, Proposal) else float(one.excitation.frequency) for one in controllers
+    ]
+    return Controls.of([one.gains.map(floats) for one in controllers], frequencies)
 
 
 def measure_all(
-    task: Task, candidates: Sequence[Candidate], starts: Sequence[State], limits: Limits, executor: Executor | None
-) -> Iterator[list[Run]]:
-    """The measurements of candidates in turn, over common starts, in other processes where there is an executor."""
-    columns = len(candidates) * len(starts) * len(task.fleet)
-    cores = os.cpu_count() or 1 if executor else 1
-    rounds = max(1, math.ceil(columns / (cores * task.settings.simulated_vehicles)))
-    each = max(1, math.ceil(len(candidates) / (cores * rounds)))  # candidates of one job
-    jobs = [
-        Job(task.plant, candidates[k : k + each], starts, limits, task.tolerance, task.settings)
-        for k in range(0, len(candidates), each)
-    ]
+    setup: Setup, controls: Controls, starts: StartSet, horizon: float, executor: Executor | None
+) -> Outcomes:
+    """The outcomes (controllers, starts), first the continuous ones; in other processes where there is an executor.
+
+    They do not depend on how many processes there are.
+    """
+    workers, fleets = os.cpu_count() or 1 if executor else 1, len(controls.frequency)
+    jobs: list[Job] = []
+    shapes: list[tuple[int, int]] = []
+    for kind, some in ((Continuous, starts.continuous), (Sampled, starts.sampled)):
+        rows = _parts(fleets, workers)
+        columns = _parts(some.shape[-1], math.ceil(workers / len(rows)))
+        jobs += [Job(kind, setup, controls.take(row), some[..., column], horizon) for row in rows for column in columns]
+        shapes.append((len(rows), len(columns)))
     with worker_errors():
-        for rows in executor.map(measure, jobs) if executor else map(measure, jobs):
-            yield from rows
+        done = iter(list(executor.map(run_job, jobs) if executor else map(run_job, jobs)))
+    tables = [[[next(done) for _ in range(width)] for _ in range(height)] for height, width in shapes]
+    joined = [_joined(table) for table in tables if table[0]]
+    return Outcomes(*(np.hstack(columns) for columns in zip(*joined, strict=True)))
+
+
+def _joined(table: Sequence[Sequence[Outcomes]]) -> Outcomes:
+    """The outcomes of a table of jobs: controllers downwards, starts to the right."""
+    return Outcomes(*(np.block([[outcomes[k] for outcomes in row] for row in table]) for k in range(3)))
+
+
+def _parts(count: int, most: int) -> list[slice]:
+    """The numbers from 0 to `count` in at most so many parts of about equal size."""
+    size = max(1, math.ceil(count / most))
+    return [slice(begin, min(begin + size, count)) for begin in range(0, count, size)]
+
+
+def run_job(job: Job) -> Outcomes:
+    """The outcomes of a job."""
+    return settle_all(*job)
 
 
 @contextmanager
@@ -58,35 +107,3 @@ def worker_errors() -> Iterator[None]:
         yield
     except BrokenExecutor:
         raise UndecidedError("design: a worker process died or took too long; run the same command again") from None
-
-
-def measure(job: Job) -> list[list[Run]]:
-    """How the fleet settles under every candidate from every start; never, where the integrator gave up."""
-    trials = [Trial(candidate.gains.map(floats), candidate.excitation) for candidate in job.candidates]
-    settled = settle_all(job.plant, trials, job.starts, job.limits, job.tolerance, job.settings)
-    tails = worst_tails(job.plant, trials, job.tolerance, job.settings)
-    return [[_run(settling, tail) for settling in row] for row, tail in zip(settled, tails, strict=True)]
-
-
-def worst_tails(plant: Plant, trials: Sequence[Trial], tolerance: Tolerance, settings: Settings) -> list[float]:
-    """How long `tail_from` across the track takes into `tail_to` of the tolerance under every trial, s, at the worst.
-
-    Of the graph's slowest modes and as many random shapes, because some gains are fast from a few shapes alone; and
-    far into the tolerance, where what is left has taken the slowest shape of these gains.
-    """
-    vehicles = plant.graph.vehicles
-    slow = modes(plant.graph, max(1, min(MODES, settings.tail_vehicles // vehicles))).vectors
-    random = np.random.default_rng(0).standard_normal((vehicles, slow.shape[1] if slow.shape[1] > 1 else 0))
-    shapes = np.hstack([slow, random])
-    y = settings.tail_from * shapes / np.abs(shapes).max(axis=0)
-    column = np.repeat(np.arange(len(trials)), shapes.shape[1]).tolist()
-    goal = Tolerance(settings.tail_to * tolerance.position, settings.tail_to * tolerance.heading)
-    times = tail_times(plant, trials, column, np.tile(y, len(trials)), goal).reshape(len(trials), -1)
-    longest: list[float] = np.minimum(times, settings.longest_tail).max(axis=1).tolist()
-    return longest
-
-
-def _run(settling: Settling | None, tail: float) -> Run:
-    if settling is None:
-        return NEVER._replace(tail=tail)
-    return Run(settling.time, settling.excess, settling.steps, tail)

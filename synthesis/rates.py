@@ -34,7 +34,7 @@ class Rates:
     gamma_omega: float  # 1/s, exponential rate of the headings
     gamma_v: float  # 1/s, exponential rate along the track
     kappa: float  # 1/(m^2 s), slowest cross-track coefficient: |y|' = -kappa |y|^3 for the largest |y_i|
-    tail_time: float  # s, cross-track errors from 1 m to the tolerance by the averaged flow
+    tail_time: float  # s, cross-track errors from twice the tolerance into it by the averaged flow
 
 
 def heading_coefficients(plant: Plant, gains: Gains) -> tuple[Floats, Floats]:
@@ -152,10 +152,15 @@ class CrossTrack:
         return time, kappa
 
 
+TAIL_FROM = 2.0  # tolerances across the track
+
+
 def rates(plant: Plant, gains: Gains, excitation: Excitation, position: float = 0.1, heading: float = 0.1) -> Rates:
-    """All rates of a design (gains as floats), for a tolerance in m and rad."""
+    """All rates of a design (gains as floats), for a tolerance in m and rad; those of its local gains."""
+    gains = gains.local()
     L = plant.graph.composed_laplacian()
-    tail, kappa = CrossTrack(plant, gains, excitation).time_to(np.ones(plant.graph.vehicles), position, heading)
+    start = np.full(plant.graph.vehicles, TAIL_FROM * position)
+    tail, kappa = CrossTrack(plant, gains, excitation).time_to(start, position, heading)
     return Rates(
         gamma_omega=exponential_rate(*heading_coefficients(plant, gains), L),
         gamma_v=exponential_rate(*track_coefficients(plant, gains), L),

@@ -13,13 +13,17 @@ from ..models.arrays import Array
 from ..models.conditions import ConditionData, ConditionSet, Inequality, exact_numbers
 from ..models.errors import UndecidedError
 from ..models.gains import GAIN_NAMES, Gains
+from ..models.saturation import Saturation
 
 
-def rounded(conditions: ConditionSet, data: ConditionData, gains: Gains, digits: int) -> Gains:
+def rounded(
+    conditions: ConditionSet, data: ConditionData, gains: Gains, digits: int, saturation: Saturation | None = None
+) -> Gains:
     """Exact gains of at most `digits` significant digits that meet the conditions, from float gains that nearly do.
 
-    All gains are rounded down, which the torque limit survives. Rounding a damping gain down may break a homogeneous
-    condition; it is met again by lowering the gains in which its small side is linear. `data` must be exact.
+    All gains and scales are rounded down, which the torque limit survives; `saturation`, exact, are scales that are
+    kept. Rounding a damping gain down may break a condition on ratios; it is met again by lowering the gains in which
+    its small side is linear. `data` must be exact.
     Raises UndecidedError where the gains are not positive numbers, or where rounding leaves none,
     because `digits` is too small for the limits.
     """
@@ -27,6 +31,7 @@ def rounded(conditions: ConditionSet, data: ConditionData, gains: Gains, digits:
         raise UndecidedError("a solver returned gains that are not positive numbers")
     numbers = exact_numbers()
     exact = gains.map(lambda column: floor_digits(column, digits))
+    exact = exact if saturation is None else replace(exact, saturation=saturation)
     for condition in (*conditions.bounding(data), *conditions.homogeneous(data)):
         exact = _lowered(exact, condition(numbers, data, exact), digits)
     for inequality in conditions.inequalities(numbers, data, exact):

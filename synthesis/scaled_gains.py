@@ -1,60 +1,84 @@
-"""Six scalars that describe the gains of a whole fleet, and how they become one set of gains per vehicle.
+"""Ten numbers that describe the controller of a whole fleet, and how they become gains and scales per vehicle.
 
-With D_i = a_il + l_ii, docs/theory.md 7.4 scales every vehicle by its own mass, inertia and degree:
+With D_i = a_il + l_ii, a length unit l and a time unit tau, THEORY sections 1b and 3 scale every vehicle by its own
+mass, inertia and degree:
 
-    I / p_omega = mu_omega D,  d_omega / p_omega = c D,  k / p_omega = h,  m / p_v = mu_v D,  d_v / p_v = e D.
+    p_v = m l / (tau^2 D),  d_v = e D p_v,  p_omega = I / (tau^2 mu D),  d_omega = c D p_omega,  k = h p_omega,
 
-Every condition but the torque limit is then the same for all vehicles.
+psi has the frequency w / tau, and the saturation scales are l, rho, s l / tau and o / tau. All but l and tau are
+dimensionless. Every condition but the torque limit is then the same for all vehicles of one speed limit.
 """
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass, replace
+from dataclasses import astuple, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..models.arrays import Array
 from ..models.conditions import ConditionData, ConditionSet, Inequality, float_numbers
-from ..models.gains import Gains
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.saturation import Saturation
 
 INWARD = 0.9999  # gains are scaled to this fraction of what a condition admits, before they are rounded
 
 
 @dataclass(frozen=True)
 class Scalars:
-    """The six structured scalars; all positive, of any one number type."""
+    """The numbers that describe a fleet's controller; all positive, of any one number type."""
 
-    mu_omega: Any  # s^2, I / (p_omega D)
+    length: Any  # m, l: the position scale
+    time: Any  # s, tau
+    mu: Any  # I / (p_omega D tau^2)
     c: Any  # d_omega / (p_omega D)
     h: Any  # k / p_omega
-    mu_v: Any  # s^2, m / (p_v D)
     e: Any  # d_v / (p_v D)
-    tempo: Any = 1.0  # what the frequency of a designed psi is multiplied by
+    tempo: Any  # the frequency of psi times tau
+    heading: Any  # rad, rho: the heading scale
+    speed: Any  # s_i tau / l, of every vehicle
+    turn_rate: Any  # o_i tau, of every vehicle
 
-    def logarithms(self) -> NDArray[np.float64]:
-        """The scalars as a search sees them, (6,)."""
-        logarithms: NDArray[np.float64] = np.log(np.array(astuple(self), dtype=float))
-        return logarithms
+    def scaled(self, factors: Any) -> Scalars:
+        """Every number multiplied by its own factor, (10,)."""
+        return Scalars(*(number * factor for number, factor in zip(astuple(self), factors, strict=True)))
 
-    @classmethod
-    def from_logarithms(cls, logarithms: NDArray[np.float64]) -> Scalars:
-        """The inverse of `logarithms`."""
-        return cls(*np.exp(np.asarray(logarithms, dtype=float)).tolist())
+    @property
+    def frequency(self) -> Any:
+        """Of psi, rad/s."""
+        return self.tempo / self.time
+
+    @property
+    def saturation(self) -> Saturation:
+        """The scales, equal for all vehicles."""
+        return Saturation(self.length, self.heading, self.speed * self.length / self.time, self.turn_rate / self.time)
+
+
+SCALAR_NAMES = tuple(field.name for field in fields(Scalars))
 
 
 def structured(scalars: Scalars, m: Array, inertia: Array, degree: Array) -> Gains:
-    """The gains (N,) that the scalars stand for, before any condition; m (kg), inertia (kg m^2) and degree (N,)."""
-    p_omega = inertia / (scalars.mu_omega * degree)
-    p_v = m / (scalars.mu_v * degree)
+    """The gains (N,) and scales of the scalars, before any condition; m (kg), inertia (kg m^2) and degree (N,)."""
+    square = scalars.time * scalars.time
+    p_v = m * scalars.length / (square * degree)
+    p_omega = inertia / (square * scalars.mu * degree)
     return Gains(
         p_v=p_v,
         d_v=scalars.e * degree * p_v,
         p_omega=p_omega,
         d_omega=scalars.c * degree * p_omega,
         k_alpha=scalars.h * p_omega,
+        saturation=scalars.saturation,
     )
+
+
+def with_factors(gains: Gains, factors: Array) -> Gains:
+    """Gains and vehicle scales multiplied by (5, N) or (7, N) factors, in the order of their names."""
+    numbers = {name: getattr(gains, name) * row for name, row in zip(GAIN_NAMES, factors, strict=False)}
+    scale = gains.saturation
+    speed, turn_rate = factors[len(GAIN_NAMES) :] if len(factors) > len(GAIN_NAMES) else (1.0, 1.0)
+    saturation = Saturation(scale.position, scale.heading, scale.speed * speed, scale.turn_rate * turn_rate)
+    return Gains(**numbers, saturation=saturation)
 
 
 def within(conditions: ConditionSet, data: ConditionData, gains: Gains) -> Gains:

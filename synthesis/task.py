@@ -1,25 +1,34 @@
-"""What every part of a design works on: the task, its options, and candidates."""
+"""What every part of a design works on: the task, its options, proposals and candidates."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
+from functools import cached_property
+
+import numpy as np
 
 from ..models.arrays import floats
 from ..models.conditions import ConditionData, ConditionSet, condition_set
-from ..models.equations import Plant, State
+from ..models.equations import Plant
 from ..models.errors import InfeasibleError, InputError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet
-from ..models.gains import GAIN_NAMES, Gains
+from ..models.gains import Gains
 from ..models.numbers import decimal_text
-from ..models.starts import Draw, random_starts, scale
+from ..models.saturation import Saturation
+from ..models.starts import Draw, scale
 from ..models.tolerance import Tolerance
 from .programs.excitation import at_frequency, flat_tones
+from .rollouts.columns import Setup
+from .rollouts.disturbance import Disturbance
+from .rollouts.runge_kutta import Array
 from .rounding import decimal_places, rounded
-from .scaled_gains import Scalars, structured, within
+from .scaled_gains import Scalars, structured, with_factors, within
 from .settings import FAST, Settings
+from .starts import far_starts, near_starts
+from .typical import typical_scalars
 
 LARGEST_BOX = 1e6  # m
 
@@ -32,8 +41,9 @@ class Options:
 
     conditions: str = "paper"
     excitation: str | None = None  # "given" or "designed"; None takes the fleet's own where it has one
+    saturation: str | None = None  # "given", "designed" or "unit"; None takes the fleet's own where it has some
     seed: int = 0
-    digits: int = 4  # significant digits of every gain
+    digits: int = 4  # significant digits of every gain and scale
     tolerance: Tolerance = field(default_factory=Tolerance)
     torque_factor: float = 1.0  # at most this share of every torque limit is used
     box: float | None = None  # m, side of the square around the goal that starts are drawn from; None: the fleet's
@@ -42,26 +52,47 @@ class Options:
         """Raise InputError for a choice that is unknown or that the fleet does not admit."""
         if self.excitation not in (None, "given", "designed"):
             raise InputError(f"excitation = {self.excitation!r} is not known; choose given or designed")
+        if self.saturation not in (None, "given", "designed", "unit"):
+            raise InputError(f"saturation = {self.saturation!r} is not known; choose given, designed or unit")
         if not 1 <= self.digits <= 17:
             raise InputError(f"digits = {self.digits} must be from 1 to 17")
         if not 0 < self.torque_factor <= 1:
             raise InputError(f"torque_factor = {self.torque_factor} must be > 0 and at most 1")
         if self.box is not None and not 0 < self.box <= LARGEST_BOX:
             raise InputError(f"box = {self.box} must be > 0 and at most {LARGEST_BOX:g} m")
-        if self.excitation == "given" and fleet.psi is None:
-            raise InputError(
-                "excitation = 'given', but the fleet file has no [excitation] table; add one or ask for designed"
-            )
+        for choice, name, table in (
+            (self.excitation, "excitation", fleet.psi),
+            (self.saturation, "saturation", fleet.saturation),
+        ):
+            if choice == "given" and table is None:
+                raise InputError(
+                    f"{name} = 'given', but the fleet file has no [{name}] table; add one or ask for designed"
+                )
+
+    def scales(self, fleet: Fleet) -> Saturation | None:
+        """The scales that the design has to take, exact; None where it chooses them."""
+        if self.saturation == "unit":
+            return Saturation()
+        return None if self.saturation == "designed" or fleet.saturation is None else fleet.saturation.scales
+
+
+@dataclass(frozen=True, eq=False)
+class Proposal:
+    """Gains and scales in floats, within the conditions, with the frequency of psi and what proposed them."""
+
+    origin: str
+    gains: Gains
+    frequency: float  # rad/s
+    scalars: Scalars | None = None  # where the gains came from scalars
 
 
 @dataclass(frozen=True, eq=False)
 class Candidate:
-    """Exact gains with their excitation, and the program or search that proposed them."""
+    """Exact gains and scales with their excitation, and what proposed them."""
 
     origin: str
     gains: Gains
     excitation: Excitation
-    scalars: Scalars | None = None  # where the gains came from scalars
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,50 +104,69 @@ class Task:
     conditions: ConditionSet
     excitation: Excitation  # at its own frequency; a designed one at 1 rad/s
     excitation_designed: bool
+    saturation: Saturation | None  # the scales that are given, exact; None where they are designed
     exact_data: ConditionData  # of the conditions, in fractions
     data: ConditionData  # the same in floats
     options: Options
     half_width: float  # m, of the square around the goal that random starts are drawn from
     settings: Settings
 
-    def candidate(self, origin: str, scalars: Scalars, factors: Gains | None = None) -> Candidate:
-        """Rounded gains and excitation of scalars, each gain multiplied by that of `factors`, (N,), if given.
-
-        Raises UndecidedError where rounding cannot keep the conditions.
-        """
+    def proposal(self, origin: str, scalars: Scalars, factors: Array | None = None) -> Proposal:
+        """The gains and scales of scalars within the conditions, each multiplied by its factors (7, N), if given."""
         raw = structured(scalars, self.plant.m, self.plant.inertia, self.data.degree)
-        if factors is not None:
-            raw = Gains(*(getattr(raw, name) * getattr(factors, name) for name in GAIN_NAMES))
-        gains = within(self.conditions, self.data, raw)
-        return replace(self.rounded_candidate(origin, gains, float(scalars.tempo)), scalars=scalars)
+        raw = raw if factors is None else with_factors(raw, factors)
+        frequency = float(scalars.frequency if self.excitation_designed else self.excitation.frequency)
+        return Proposal(origin, self.within(raw), frequency, scalars)
 
-    def rounded_candidate(self, origin: str, gains: Gains, tempo: float) -> Candidate:
-        """Float gains rounded inward, with psi at a rounded frequency. Raises UndecidedError."""
-        exact = rounded(self.conditions, self.exact_data, gains, self.options.digits)
+    def within(self, gains: Gains) -> Gains:
+        """Float gains with the given scales, moved into the conditions."""
+        if self.saturation is not None:
+            gains = replace(gains, saturation=self.saturation.map(floats))
+        return within(self.conditions, self.data, gains)
+
+    def rounded(self, proposal: Proposal) -> Candidate:
+        """A proposal rounded inward, with psi at a rounded frequency. Raises UndecidedError where nothing is left."""
+        gains = rounded(self.conditions, self.exact_data, proposal.gains, self.options.digits, self.saturation)
         if not self.excitation_designed:
-            return Candidate(origin, exact, self.excitation)
-        frequency = decimal_places(tempo, self.options.digits)
-        return Candidate(origin, exact, at_frequency(self.excitation, frequency))
+            return Candidate(proposal.origin, gains, self.excitation)
+        frequency = decimal_places(proposal.frequency, self.options.digits)
+        return Candidate(proposal.origin, gains, at_frequency(self.excitation, frequency))
 
     @property
     def tolerance(self) -> Tolerance:
         """What counts as settled."""
         return self.options.tolerance
 
-    @property
-    def tempo_range(self) -> tuple[float, float]:
-        """What psi's frequency may be multiplied by."""
-        return self.settings.frequency_range if self.excitation_designed else (1.0, 1.0)
+    @cached_property
+    def typical(self) -> Scalars:
+        """Scalars that suit the fleet roughly."""
+        return typical_scalars(
+            self.plant, self.data, self.tolerance, self.setup.disturbance.sample_time, self.saturation
+        )
 
-    def starts(self, draw: Draw, count: int, vehicles: int | None = None) -> list[State]:
-        """The fleet's own start, if it has one, and `count` random ones.
+    @cached_property
+    def setup(self) -> Setup:
+        """What rollouts need."""
+        zero = np.zeros(len(self.fleet))
+        centred = replace(self.plant, offset_x=zero, offset_y=zero, leader_x=0.0, leader_y=0.0)
+        disturbance = Disturbance.of(self.fleet, self.tolerance, self.settings)
+        return Setup(centred, self.excitation, self.tolerance, disturbance, self.settings)
 
-        With `vehicles` at most so many in all starts together, and at least one start.
-        """
-        own = self.fleet.start()
-        most = count + 1 if vehicles is None else max(1, vehicles // len(self.fleet))
-        drawn = random_starts(self.fleet, min(count, most), self.options.seed, self.half_width, draw)
-        return [*([] if own is None else [own]), *drawn][:most]
+    def far_starts(self, draw: Draw, count: int) -> Array:
+        """The fleet's own start, if it has one, and random ones, (5, N, S) singles; at most `count`, fewer if large."""
+        count = max(1, min(count, self.settings.starts_vehicles // len(self.fleet)))
+        return far_starts(self.fleet, count, self.options.seed, self.half_width, draw)
+
+    def near_starts(self, draw: Draw, count: int) -> Array:
+        """Starts with small errors across the track, (5, N, S) singles."""
+        error = self.settings.near_errors * self.tolerance.position
+        return near_starts(self.plant, count, (self.options.seed, draw), error, self.settings.near_patterns)
+
+
+def fixed_scalars(task: Task) -> set[str]:
+    """The names of the scalars that the task does not leave free."""
+    scales = set() if task.saturation is None else {"length", "heading", "speed", "turn_rate"}
+    return scales if task.excitation_designed else scales | {"tempo"}
 
 
 def prepare(fleet: Fleet, options: Options, settings: Settings = FAST) -> Task:
@@ -133,6 +183,7 @@ def prepare(fleet: Fleet, options: Options, settings: Settings = FAST) -> Task:
         conditions=condition_set(options.conditions),
         excitation=psi,
         excitation_designed=designed,
+        saturation=options.scales(fleet),
         exact_data=exact,
         data=exact.map(floats),
         options=options,

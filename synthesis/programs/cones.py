@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -18,13 +19,14 @@ def nearest(
 ) -> Gains | None:
     """The gains within the conditions that are nearest to a target in relative terms: a second-order cone program.
 
-    `data` and `target` are floats; `seconds` limits the solve. None if Clarabel reports no optimum.
-    Raises UndecidedError if it breaks down.
+    They keep its scales. `data` and `target` are floats; `seconds` limits the solve. None where Clarabel reports no
+    optimum. Raises UndecidedError where it breaks down.
     """
     import cvxpy as cp
 
     relative = {name: cp.Variable(len(data.degree), pos=True) for name in GAIN_NAMES}
-    gains = Gains(*(Elementwise(relative[name]) * getattr(target, name) for name in GAIN_NAMES))
+    scaled = {name: Elementwise(relative[name]) * getattr(target, name) for name in GAIN_NAMES}
+    gains = Gains(**scaled, saturation=target.saturation)
     constraints: list[Any] = [
         inequality.small <= inequality.large for inequality in conditions.inequalities(cvxpy_numbers(), data, gains)
     ]
@@ -32,4 +34,4 @@ def nearest(
     problem = cp.Problem(cp.Minimize(distance), constraints)
     if not clarabel_finds_optimum(problem, seconds) or any(np.min(factor.value) <= 0 for factor in relative.values()):
         return None
-    return Gains(*(getattr(target, name) * relative[name].value for name in GAIN_NAMES))
+    return replace(target, **{name: getattr(target, name) * relative[name].value for name in GAIN_NAMES})

@@ -1,4 +1,7 @@
-"""The closed loop (13)-(14), compiled: many fleets side by side, each with its own gains and frequency of psi."""
+"""The closed loop (13)-(14) in loops over columns, vehicles and edges.
+
+Each column is a fleet of its own, with its own gains, scales and frequency of psi; all are copies of one plant.
+"""
 
 from __future__ import annotations
 
@@ -6,28 +9,31 @@ import math
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from fractions import Fraction
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
 
+from ...models.algebra.ops import Ops
 from ...models.equations import (
     Errors,
     Plant,
     State,
-    closed_loop,
+    control,
     coordinate_scales,
     formation_coordinates,
     leader_coordinates,
+    motion,
     pull,
 )
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.graph import Graph
 from ...models.saturation import SCALE_NAMES, Saturation
-from .compiler import At, Compiled, LoopNest, Single, compiled, pointer, single_ops
-from .runge_kutta import Array, Problem, Rate
+from .compiler import Pointer, Single, pointer
+from .loops import At, LoopNest, Part
+from .runge_kutta import Array
+from .single_functions import single_ops
 
 PLANT = tuple(field.name for field in fields(Plant) if field.name != "graph")
 COORDINATES = 3  # x, y and theta, of which the graph compares those of neighbours
@@ -35,12 +41,12 @@ NETWORK_SCALES, VEHICLE_SCALES = SCALE_NAMES[:2], SCALE_NAMES[2:]
 
 
 class Controls(NamedTuple):
-    """The controller's numbers of many fleets side by side, as singles."""
+    """The controller's numbers of many fleets side by side, as singles: equal numbers on every processor."""
 
     gains: Array  # (5, N, B), in the order of GAIN_NAMES
     vehicle_scales: Array  # (2, N, B), speed and turn rate
     network_scales: Array  # (2, B), position and heading
-    frequency: Array  # (B,), doubles, rad/s, of psi
+    frequency: Array  # (B,), rad/s, of psi
 
     @classmethod
     def of(cls, gains: Sequence[Gains], frequency: Sequence[float]) -> Controls:
@@ -51,64 +57,12 @@ class Controls(NamedTuple):
             stacked([[getattr(one, name) for name in GAIN_NAMES] for one in gains]),
             stacked([[one[name] for name in VEHICLE_SCALES] for one in scales]),
             np.ascontiguousarray(stacked([[one[name] for name in NETWORK_SCALES] for one in scales])[:, 0]),
-            np.array(frequency, dtype=float),
+            np.array(frequency, dtype=Single),
         )
 
-    def take(self, numbers: Array) -> Controls:
+    def take(self, numbers: Any) -> Controls:
         """Those of the fleets with these numbers."""
         return Controls(*(np.ascontiguousarray(array[..., numbers]) for array in self))
-
-
-class ClosedLoop:
-    """(13)-(14) for one plant and psi of any frequency."""
-
-    def __init__(self, plant: Plant, excitation: Excitation) -> None:
-        self._graph = plant.graph.map(lambda weights: np.asarray(weights, dtype=Single))
-        self._numbers = rows([getattr(plant, name) for name in PLANT], plant.graph.vehicles)
-        self._loops = _loops(replace(excitation, frequency=Fraction(1)))
-
-    def problem(self, controls: Controls) -> Problem:
-        """The rates (5, N, B) of states (5, N, B)."""
-        graph, (vehicles, width) = self._graph, controls.gains.shape[1:]
-        turns, sums = np.empty(width, Single), np.empty((COORDINATES, vehicles, width), Single)
-        turning = controls.frequency / (2 * math.pi)
-        shared = {
-            "gains": controls.gains,
-            "vehicle_scales": controls.vehicle_scales,
-            "network_scales": controls.network_scales,
-            "plant": self._numbers,
-            "weight": graph.weight,
-            "leader_weight": graph.leader_weight,
-            "turns": turns,
-            "psi": np.empty(width, Single),
-            "z": np.empty_like(sums),
-            "sums": sums,
-        }
-        pointers = {name: pointer(array) for name, array in shared.items()}
-        ends = [pointer(row, np.int64) for row in (graph.tail, graph.head)]
-
-        def problem(state: Array, rates: Array) -> Rate:
-            arrays = {**pointers, "state": pointer(state), "rates": pointer(rates)}
-            excite = self._loops["excitation"].bind(1, width, arrays)
-            place = self._loops["coordinates"].bind(vehicles, width, arrays)
-            couple = self._loops["edges"].bind(graph.edges, width, arrays, ends, vehicles)
-            move = self._loops["vehicles"].bind(vehicles, width, arrays)
-
-            def rate(t: Array) -> None:
-                # Many turns have no digits left in single precision.
-                periods = t * turning
-                turns[...] = periods - np.floor(periods)
-                sums[...] = 0
-                excite(), place(), couple(), move()
-
-            return rate
-
-        return problem
-
-
-def rows(values: Sequence[Any], items: int) -> Array:
-    """Numbers of every item, or one for all, as singles (values, items)."""
-    return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
 
 
 def stacked(values: Sequence[Sequence[Any]]) -> Array:
@@ -116,77 +70,144 @@ def stacked(values: Sequence[Sequence[Any]]) -> Array:
     return np.ascontiguousarray(np.moveaxis(np.array(values, dtype=Single), 0, 2))
 
 
-@lru_cache(maxsize=16)
-def _loops(excitation: Excitation) -> dict[str, Compiled]:
-    """(13)-(14) in loops over the columns, the vehicles and the edges."""
-    return compiled({"excitation": _excitation_loop(excitation), "edges": _edge_loop(), **_vehicle_loops()})
+def rows(values: Sequence[Any], items: int) -> Array:
+    """Numbers of every item, or one for all, as singles (values, items)."""
+    return np.array([np.broadcast_to(value, items) for value in values], dtype=Single)
 
 
-def _excitation_loop(excitation: Excitation) -> LoopNest:
-    """psi of every column, from the share of its period that has passed."""
-    turns = ca.SX.sym("turns")
-    value = excitation.value(single_ops(), 2 * math.pi * turns)
-    return LoopNest(ca.Function("f", [turns], [value]), [("turns", At.COLUMN)], [("psi", At.COLUMN)])
+def phases(frequency: Array, t: Array) -> Array:
+    """How much of a turn psi has made since its last full one, (B,) singles: many turns would leave no digits."""
+    turns = frequency.astype(float) * t / (2 * math.pi)
+    return np.asarray(turns - np.floor(turns), dtype=Single)
 
 
-def _edge_loop() -> LoopNest:
-    """The pull of every edge in (8) and (10), added to the sum at its tail and subtracted from that at its head."""
-    weight, scales = ca.SX.sym("weight"), ca.SX.sym("network_scales", 2)
-    ends = z_tail, z_head, at_tail, at_head = [
-        ca.SX.sym(name, COORDINATES) for name in ("z_tail", "z_head", "sums_tail", "sums_head")
+def controller_arrays(plant: Plant, controls: Controls) -> dict[str, Array]:
+    """The arrays that the loops of the controller read and write, by name; beside them `measured` and the results."""
+    vehicles, width = controls.gains.shape[1:]
+    graph = plant.graph.map(lambda weights: np.asarray(weights, dtype=Single))
+    return {
+        "gains": controls.gains,
+        "vehicle_scales": controls.vehicle_scales,
+        "network_scales": controls.network_scales,
+        "plant": rows([getattr(plant, name) for name in PLANT], vehicles),
+        "weight": graph.weight,
+        "leader_weight": graph.leader_weight,
+        "losable": np.zeros(graph.edges, Single),  # 1 for the edges that a column may lose
+        "connected": np.ones(width, Single),  # 0 for columns that have lost them
+        "phase": np.zeros(width, Single),
+        "psi": np.empty(width, Single),
+        "z": np.empty((COORDINATES, vehicles, width), Single),
+        "sums": np.empty((COORDINATES, vehicles, width), Single),
+    }
+
+
+def edge_ends(graph: Graph) -> list[Pointer]:
+    """The ends of the edges, as programs take them."""
+    return [pointer(ends, np.int64) for ends in (graph.tail, graph.head)]
+
+
+def controller_parts(measured: str, phase: str, result: str, into: str) -> list[Part]:
+    """The parts of a program that evaluate `result` ("torques" or "rates") into an array.
+
+    They read states from the array `measured` and phases of psi from `phase`.
+    """
+    read = (("measured", measured),)
+    return [
+        Part("psi", "one", (("phase", phase),)),
+        Part("coordinates", "vehicles", read),
+        Part("clear", "vehicles"),
+        Part("edges", "edges"),
+        Part(result, "vehicles", (*read, (result, into))),
     ]
-    pairs = zip(coordinate_scales(Saturation(*ca.vertsplit(scales))), (z_tail - z_head).elements(), strict=True)
-    force = ca.vertcat(*(pull(single_ops(), weight, *pair) for pair in pairs))
-    return LoopNest(
-        ca.Function("f", [*ends, weight, scales], [at_tail + force, at_head - force]),
-        [
-            ("z", At.TAIL),
-            ("z", At.HEAD),
-            ("sums", At.TAIL),
-            ("sums", At.HEAD),
-            ("weight", At.ITEM),
-            ("network_scales", At.COLUMN),
-        ],
-        [("sums", At.TAIL), ("sums", At.HEAD)],
-    )
 
 
-def _vehicle_loops() -> dict[str, LoopNest]:
-    """The formation coordinates of every vehicle, and its rates once the pulls of its edges are summed up."""
-    symbol, ops = ca.SX.sym, single_ops()
-    leader_weight, psi, sums = symbol("leader_weight"), symbol("psi"), symbol("sums", COORDINATES)
-    numbers, gains, rows = symbol("plant", len(PLANT)), symbol("gains", len(GAIN_NAMES)), symbol("state", 5)
-    nobody = np.zeros(0, dtype=np.int64)
-    plant = Plant(Graph(nobody, nobody, symbol("no_edge"), leader_weight), *ca.vertsplit(numbers))
-    vehicle_scales, network_scales = symbol("vehicle_scales", 2), symbol("network_scales", 2)
-    saturation = Saturation(*ca.vertsplit(network_scales), *ca.vertsplit(vehicle_scales))
-    columns = dict(zip(GAIN_NAMES, ca.vertsplit(gains), strict=True))
-    state = State(*ca.vertsplit(rows))
+def controller_loops(excitation: Excitation) -> dict[str, LoopNest]:
+    """The loops of the controller for psi of a shape, and of the closed loop."""
+    each, item, column = At.EACH, At.ITEM, At.COLUMN
+    ops, symbols = single_ops(), _Symbols()
+    leader_weight, psi = symbols.vector("leader_weight", 1), symbols.vector("psi", 1)
+    sums, state = symbols.vector("sums", COORDINATES), symbols.state
+    plant = replace(symbols.plant, graph=replace(symbols.plant.graph, leader_weight=leader_weight))
+    scales = coordinate_scales(symbols.gains.saturation)
     coordinates = formation_coordinates(plant, state)
     distances = [z - leader for z, leader in zip(coordinates, leader_coordinates(plant), strict=True)]
-    pairs = zip(coordinate_scales(saturation), distances, strict=True)
-    to_leader = ca.vertcat(*(pull(ops, leader_weight, *pair) for pair in pairs))
-    errors = Errors(*(to_leader + sums).elements())
-    rates = closed_loop(ops, plant, Gains(**columns, saturation=saturation), psi, state, errors)
-    arguments = {
-        "state": (rows, At.EACH),
-        "plant": (numbers, At.ITEM),
-        "leader_weight": (leader_weight, At.ITEM),
-        "gains": (gains, At.EACH),
-        "vehicle_scales": (vehicle_scales, At.EACH),
-        "network_scales": (network_scales, At.COLUMN),
-        "psi": (psi, At.COLUMN),
-        "sums": (sums, At.EACH),
+    to_leader = [pull(ops, leader_weight, *pair) for pair in zip(scales, distances, strict=True)]
+    errors = Errors(*(ca.vertcat(*to_leader) + sums).elements())
+    torques = control(ops, plant, symbols.gains, psi, state, errors)
+    places = {
+        "measured": each,
+        "plant": item,
+        "leader_weight": item,
+        "gains": each,
+        "vehicle_scales": each,
+        "network_scales": column,
+        "psi": column,
+        "sums": each,
     }
     return {
-        "coordinates": LoopNest(
-            ca.Function("f", [rows, numbers], [ca.vertcat(*coordinates)]),
-            [("state", At.EACH), ("plant", At.ITEM)],
-            [("z", At.EACH)],
-        ),
-        "vehicles": LoopNest(
-            ca.Function("f", [symbols for symbols, _ in arguments.values()], [ca.vertcat(*rates)]),
-            [(name, at) for name, (_, at) in arguments.items()],
-            [("rates", At.EACH)],
-        ),
+        "psi": _excitation(ops, replace(excitation, frequency=Fraction(1))),
+        "coordinates": symbols.loop({"measured": each, "plant": item}, coordinates, "z"),
+        "clear": LoopNest(ca.Function("clear", [], [ca.SX.zeros(COORDINATES)]), [], [("sums", each)]),
+        "edges": _edges(ops),
+        "torques": symbols.loop(places, torques, "torques"),
+        "rates": symbols.loop(places, motion(ops, plant, state, *torques), "rates"),
     }
+
+
+class _Symbols:
+    """The vectors that loops over vehicles read, by name."""
+
+    def __init__(self) -> None:
+        self._vectors: dict[str, Any] = {}
+        state = self.vector("measured", len(State._fields))
+        numbers, gains = self.vector("plant", len(PLANT)), self.vector("gains", len(GAIN_NAMES))
+        network, vehicle = self.vector("network_scales", 2), self.vector("vehicle_scales", 2)
+        self.state, self.plant = State(*ca.vertsplit(state)), symbolic_plant(numbers)
+        saturation = Saturation(*ca.vertsplit(network), *ca.vertsplit(vehicle))
+        self.gains = Gains(**dict(zip(GAIN_NAMES, ca.vertsplit(gains), strict=True)), saturation=saturation)
+
+    def vector(self, name: str, count: int) -> Any:
+        """A vector of symbols."""
+        self._vectors[name] = ca.SX.sym(name, count)
+        return self._vectors[name]
+
+    def loop(self, places: dict[str, At], results: Sequence[Any], into: str) -> LoopNest:
+        """The loop that reads the vectors of `places` and writes the results."""
+        function = ca.Function(into, [self._vectors[name] for name in places], [ca.vertcat(*results)])
+        return LoopNest(function, list(places.items()), [(into, At.EACH)])
+
+
+def symbolic_plant(numbers: Any) -> Plant:
+    """The plant of one vehicle, without links, from its numbers in the order of PLANT."""
+    nobody = np.zeros(0, dtype=np.int64)
+    return Plant(Graph(nobody, nobody, ca.SX(0), ca.SX(0)), *ca.vertsplit(numbers))
+
+
+def _excitation(ops: Ops, excitation: Excitation) -> LoopNest:
+    phase = ca.SX.sym("phase")
+    function = ca.Function("psi", [phase], [excitation.value(ops, 2 * math.pi * phase)])
+    return LoopNest(function, [("phase", At.COLUMN)], [("psi", At.COLUMN)])
+
+
+def _edges(ops: Ops) -> LoopNest:
+    """The pulls of every edge, added up at both of its ends."""
+    weight, losable, connected, network = (
+        ca.SX.sym(name, count) for name, count in (("weight", 1), ("losable", 1), ("connected", 1), ("network", 2))
+    )
+    z_tail, z_head, at_tail, at_head = (ca.SX.sym(f"edge{k}", COORDINATES) for k in range(4))
+    present = weight * (1 - losable * (1 - connected))
+    scales = coordinate_scales(Saturation(*ca.vertsplit(network)))
+    between = zip(scales, (z_tail - z_head).elements(), strict=True)
+    force = ca.vertcat(*(pull(ops, present, *pair) for pair in between))
+    sums = [("sums", At.TAIL), ("sums", At.HEAD)]
+    reads = [
+        ("z", At.TAIL),
+        ("z", At.HEAD),
+        ("weight", At.ITEM),
+        ("losable", At.ITEM),
+        ("connected", At.COLUMN),
+        ("network_scales", At.COLUMN),
+        *sums,
+    ]
+    arguments = [z_tail, z_head, weight, losable, connected, network, at_tail, at_head]
+    return LoopNest(ca.Function("edges", arguments, [at_tail + force, at_head - force]), reads, sums)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import RK23, RK45
 
-from ..settings import Accuracy
-from .compiler import At, Compiled, Double, LoopNest, Single, compiled, pointer
+from .compiler import Compiled, Double, Single, compiled, pointer
+from .loops import At, LoopNest
 
 Array = NDArray[Any]
 Rate = Callable[[Array], None]  # called with the times (B,), s; writes the slopes of its Problem
@@ -28,6 +28,15 @@ SMALLEST, LARGEST = 1e-6, 1e3  # the error ratio is clamped to this range
 
 
 @dataclass(frozen=True)
+class Accuracy:
+    """The error that a step may have, in the root mean square over a column, and how long it may be."""
+
+    relative: float
+    absolute: float  # in the units of each value
+    longest: float  # s
+
+
+@dataclass(frozen=True)
 class Tableau:
     """An embedded pair whose last slope is the first of the next step, with its continuous extension."""
 
@@ -35,7 +44,6 @@ class Tableau:
     stages: tuple[tuple[float, ...], ...]  # weights of the slopes so far; those of the last stage give the solution
     error: tuple[float, ...]  # weights of all slopes in the error
     dense: tuple[tuple[float, ...], ...]  # per slope, coefficients of s, s^2, ... at the share s of the step
-    order: int  # of the lower solution
     grow: float  # largest factor by which a step may grow
     real: Any  # number type of the values
 
@@ -48,7 +56,6 @@ def _tableau(method: Any, grow: float, real: Any) -> Tableau:
         stages=tuple(tuple(row.tolist()) for row in stages),
         error=tuple(method.E.tolist()),
         dense=tuple(tuple(row) for row in method.P.tolist()),
-        order=method.error_estimator_order,
         grow=grow,
         real=real,
     )
@@ -58,25 +65,74 @@ BOGACKI_SHAMPINE = _tableau(RK23, 4.0, Single)
 DORMAND_PRINCE = _tableau(RK45, 5.0, Double)
 
 
+def step_loops(tableau: Tableau, relative: float, absolute: float) -> dict[str, LoopNest]:
+    """What a step does beside finding slopes: `stage0`, ..., `judge`, `control`, `accept`.
+
+    They read and write y, new, units (absolute errors are measured in them) and slopes (all of them) by value and
+    column, and h, error, taken, next_h by column; constants has 1 / (values of a column) and the longest step.
+    """
+    y, new, h, taken, error, units = (ca.SX.sym(name) for name in ("y", "new", "h", "taken", "error", "units"))
+    slopes, constants = ca.SX.sym("slopes", 1 + len(tableau.times)), ca.SX.sym("constants", 2)
+    each, column = At.EACH, At.COLUMN
+    loops = {}
+    for k, weights in enumerate(tableau.stages):
+        ahead = y + h * ca.dot(slopes[: len(weights)], ca.DM(list(weights)))
+        reads = [("y", each), ("h", column), ("slopes", each)]
+        loops[f"stage{k}"] = LoopNest(ca.Function("stage", [y, h, slopes], [ahead]), reads, [("new", each)])
+    bound = ca.fabs(new) * relative + absolute * units
+    wrong = h * ca.dot(slopes, ca.DM(list(tableau.error))) / bound
+    loops["judge"] = LoopNest(
+        ca.Function("judge", [new, h, slopes, units, error], [error + wrong * wrong]),
+        [("new", each), ("h", column), ("slopes", each), ("units", At.ITEM), ("error", column)],
+        [("error", column)],
+    )
+    size = ca.sqrt(error * constants[0])
+    size = ca.fmax(ca.if_else(size < LARGEST, size, LARGEST), SMALLEST)  # not a number: the step is far too long
+    # The fourth root suits both pairs, and roots are the same on every processor.
+    share = ca.fmin(ca.fmax(SAFETY / ca.sqrt(ca.sqrt(size)), SHRINK), tableau.grow)
+    loops["control"] = LoopNest(
+        ca.Function("control", [error, h, constants], [size <= 1, ca.fmin(h * share, constants[1])]),
+        [("error", column), ("h", column), ("constants", At.ITEM)],
+        [("taken", column), ("next_h", column)],
+    )
+    first = ca.if_else(taken, slopes[-1], slopes[0])
+    loops["accept"] = LoopNest(
+        ca.Function("accept", [y, new, slopes, taken], [ca.if_else(taken, new, y), first]),
+        [("y", each), ("new", each), ("slopes", each), ("taken", column)],
+        [("y", each), ("slopes", each)],
+    )
+    return loops
+
+
 class Stepper:
     """Initial value problems side by side: times t and steps h (B,), values y (..., B)."""
 
     def __init__(self, tableau: Tableau, problem: Problem, t: Array, y: Array, h: Array, accuracy: Accuracy) -> None:
         """Begin at the times t (B,) and values y (..., B) with steps h (B,), s."""
-        real = tableau.real
-        self.t, self.h, self.y = t, h, np.array(y, dtype=real, order="C")
+        real, width = tableau.real, len(t)
+        self.t, self.y = t, np.array(y, dtype=real, order="C")
+        self.h, self._next = np.array(h, dtype=real), np.array(h, dtype=real)
         self.new = self.y.copy()
         self.slopes = np.empty((1 + len(tableau.times), *self.y.shape), real)
-        self.taken = np.ones(len(t), real)  # 1 if the last step was accurate enough, else 0
-        self.step_length = np.empty(len(t), real)
-        self._tableau, self._longest, self._error = tableau, accuracy.longest, np.zeros(len(t), real)
-        self._items = self.y[..., :1].size
-        arrays = {"y": self.y, "new": self.new, "slopes": self.slopes, "h": self.step_length, "taken": self.taken}
-        pointers = {name: pointer(array, real) for name, array in {**arrays, "error": self._error}.items()}
-        loops = _loops(tableau, accuracy)
-        bound = {name: loop.bind(self._items, len(t), pointers) for name, loop in loops.items()}
+        self.taken = np.ones(width, real)  # 1 where the last step was good enough, else 0
+        self._tableau, self._error = tableau, np.zeros(width, real)
+        items = self.y[..., :1].size
+        arrays = {
+            "y": self.y,
+            "new": self.new,
+            "slopes": self.slopes,
+            "h": self.h,
+            "next_h": self._next,
+            "taken": self.taken,
+            "error": self._error,
+            "units": np.ones(items, real),
+            "constants": np.array([[1 / max(1, items)], [accuracy.longest]], real),
+        }
+        pointers = {name: pointer(array, real) for name, array in arrays.items()}
+        loops = _loops(tableau, accuracy.relative, accuracy.absolute)
+        bound = {name: loop.bind(1 if name == "control" else items, width, pointers) for name, loop in loops.items()}
         self._stages = [bound[f"stage{k}"] for k in range(len(tableau.times))]
-        self._judge, self._accept = bound["judge"], bound["accept"]
+        self._judge, self._control, self._accept = bound["judge"], bound["control"], bound["accept"]
         self._rates = [problem(self.new, slope) for slope in self.slopes[1:]]
         self._rates[-1](t)
         self.slopes[0] = self.slopes[-1]
@@ -87,53 +143,27 @@ class Stepper:
         self.accept()
 
     def attempt(self) -> None:
-        """Try a step of every column: `new` is its end, `taken` whether it is accurate enough."""
-        self.step_length[...] = self.h
+        """Try a step of every column: `new` is where it leads, `taken` says whether it is good enough."""
         for stage, rate, share in zip(self._stages, self._rates, self._tableau.times, strict=True):
             stage()
             rate(self.t + share * self.h)
         self._error[...] = 0
         self._judge()
-        # An error that is not a number means that the step is far too long.
-        self._size = np.maximum(np.fmin(np.sqrt(self._error / max(1, self._items)), LARGEST), SMALLEST)
-        self.taken[...] = self._size <= 1
+        self._control()
 
     def accept(self) -> None:
         """Accept the steps that were good enough, and adapt all step lengths."""
         self._accept()
         self.t = self.t + self.taken * self.h
-        share = SAFETY * self._size ** self._tableau.real(-1 / (self._tableau.order + 1))
-        self.h = np.minimum(self.h * np.minimum(np.maximum(share, SHRINK), self._tableau.grow), self._longest)
+        self.h[...] = self._next
 
     def inside(self, share: float) -> Array:
         """The solution (..., B) at a share of the last step that was tried, before it is accepted."""
         weights = np.array(self._tableau.dense) @ share ** np.arange(1, 1 + len(self._tableau.dense[0]))
-        # einsum and not dot: a BLAS would start threads, which on a busy machine cost ten times what they save.
-        return np.asarray(self.y + self.step_length * np.einsum("k,k...->...", weights, self.slopes))
+        # einsum and not dot: a BLAS would start threads, which on a busy machine cost ten times what they bring.
+        return np.asarray(self.y + self.h * np.einsum("k,k...->...", weights, self.slopes))
 
 
 @cache
-def _loops(tableau: Tableau, accuracy: Accuracy) -> dict[str, Compiled]:
-    """The loops of a step, except for the slopes."""
-    y, new, h, taken, error = (ca.SX.sym(name) for name in ("y", "new", "h", "taken", "error"))
-    slopes = ca.SX.sym("slopes", 1 + len(tableau.times))
-    each, column = At.EACH, At.COLUMN
-    loops = {}
-    for k, weights in enumerate(tableau.stages):
-        ahead = y + h * ca.dot(slopes[: len(weights)], ca.DM(list(weights)))
-        reads = [("y", each), ("h", column), ("slopes", each)]
-        loops[f"stage{k}"] = LoopNest(ca.Function("stage", [y, h, slopes], [ahead]), reads, [("new", each)])
-    bound = ca.fabs(new) * accuracy.relative + accuracy.absolute
-    wrong = h * ca.dot(slopes, ca.DM(list(tableau.error))) / bound
-    loops["judge"] = LoopNest(
-        ca.Function("judge", [new, h, slopes, error], [error + wrong * wrong]),
-        [("new", each), ("h", column), ("slopes", each), ("error", column)],
-        [("error", column)],
-    )
-    first = ca.if_else(taken, slopes[-1], slopes[0])
-    loops["accept"] = LoopNest(
-        ca.Function("accept", [y, new, slopes, taken], [ca.if_else(taken, new, y), first]),
-        [("y", each), ("new", each), ("slopes", each), ("taken", column)],
-        [("y", each), ("slopes", each)],
-    )
-    return compiled(loops, tableau.real)
+def _loops(tableau: Tableau, relative: float, absolute: float) -> dict[str, Compiled]:
+    return compiled(step_loops(tableau, relative, absolute), tableau.real)

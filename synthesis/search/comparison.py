@@ -1,70 +1,77 @@
-"""Costs of candidates over common starts, each simulated only as far as the best so far makes worth while."""
+"""Costs of points over common starts, each simulated only as far as the best so far makes worth while."""
 
 from __future__ import annotations
 
 import math
-import statistics
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from ...models.equations import State
+import numpy as np
+
 from ...models.starts import Draw
-from ..cost import Run, cost
-from ..measurement import measure_all
-from ..rollouts.settling import Limits
-from ..settings import Bounds
-from ..task import Candidate, Task
-from .candidates import Compared
+from ..cost import cost
+from ..measurement import StartSet, controls_of, measure_all
+from ..rollouts.runge_kutta import Array
+from ..task import Proposal, Task
 
 
 class Comparison:
-    """Simulates candidates over common starts.
+    """Simulates proposals over common starts, and counts the work.
 
     The strategies learn from the training starts; new candidates are compared over the held-out ones.
     """
 
-    def __init__(self, task: Task, horizon: float, executor: Executor | None) -> None:
+    def __init__(self, task: Task, executor: Executor | None) -> None:
         settings = task.settings
-        self.task, self.settings = task, settings
-        most = settings.searched_starts_vehicles
-        self.training: Sequence[State] = task.starts(Draw.TRAINING, settings.training_starts, most)
-        self.heldout: Sequence[State] = task.starts(Draw.COMPARISON, settings.heldout_starts, most)
-        self._horizon, self._executor = horizon, executor
-        self.least, self._steps = math.inf, settings.most_steps  # mean settling time (s), most steps of the best so far
-        self._best, self._starts = math.inf, 0  # its cost, s, and the number of starts that it was measured from
+        self.task, self.settings, self.executor = task, settings, executor
+        self.least = math.inf  # cost so far over the held-out starts, s; before that, in the exploration
+        self.work = 0.0  # evaluations of one vehicle's controller so far
+        self._training = task.far_starts(Draw.TRAINING, settings.training_starts)
+        self._training_near = task.near_starts(Draw.TRAINING, settings.training_starts)
+        heldout = task.far_starts(Draw.COMPARISON, settings.heldout_starts)
+        near = task.near_starts(Draw.COMPARISON, self._near(heldout.shape[-1]))
+        self._heldout = StartSet.joined([StartSet.both(heldout), StartSet.halves(near)])
         self._next = 0  # of the training starts
+        way = task.half_width / float(np.min(task.data.speed))
+        self.horizon = way + settings.first_horizon * task.typical.time  # s, of the exploration
+        self.longest = way + settings.longest_horizon * task.typical.time
 
-    def compared(self, candidates: Sequence[Candidate]) -> list[Compared]:
-        """The candidates with their costs over the held-out starts."""
-        return list(zip(self._costs(candidates, self.heldout, self.settings.compared), candidates, strict=True))
+    @property
+    def share(self) -> float:
+        """How much of the work is done; 1 or more when it is used up."""
+        return self.work / self.settings.work
 
-    def explored(self, candidates: Sequence[Candidate]) -> list[Compared]:
-        """The candidates with their costs over a few starts."""
-        starts = self.training[: self.settings.exploration_starts]
-        return list(zip(self._costs(candidates, starts, self.settings.tried), candidates, strict=True))
-
-    def learned(self, candidates: Sequence[Candidate], count: int) -> Iterator[float]:
-        """The costs of candidates over the next `count` training starts, or all where there are no more."""
-        every, begin = self.training, self._next
-        count = min(count, len(every))
-        self._next = (begin + count) % len(every)
-        starts = [every[(begin + k) % len(every)] for k in range(count)]
-        return iter(self._costs(candidates, starts, self.settings.learned))
-
-    def _costs(self, candidates: Sequence[Candidate], starts: Sequence[State], bounds: Bounds) -> list[float]:
-        horizon = min(self._horizon, bounds.horizon * self.least)
-        steps = min(self.settings.most_steps, round(bounds.steps * self._steps))
-        limits = Limits(horizon, bounds.abandon_above * self.least, steps)
-        measured = list(measure_all(self.task, candidates, starts, limits, self._executor))
-        costs = [cost(runs, horizon, self.settings) for runs in measured]
-        self._follow(costs, measured, horizon)
+    def compared(self, proposals: Sequence[Proposal]) -> Array:
+        """Costs (s) over the held-out starts."""
+        horizon = min(self.longest, self.settings.compared_horizon * self.least)
+        costs = self._costs(proposals, self._heldout, horizon)
+        self.least = min([self.least, *costs])
         return costs
 
-    def _follow(self, costs: Sequence[float], measured: Sequence[Sequence[Run]], horizon: float) -> None:
-        """Take the cheapest from the most starts so far as the best: the best from few of them is the luckiest."""
-        value, runs = min(zip(costs, measured, strict=True), key=lambda pair: pair[0], default=(math.inf, ()))
-        steps = max((run.steps for run in runs), default=0)
-        if steps and (-len(runs), value) < (-self._starts, self._best):
-            self._starts, self._best, self._steps = len(runs), value, steps
-            mean = statistics.fmean(min(run.time, horizon) for run in runs)
-            self.least = max(self.settings.least_mean, mean)
+    def explored(self, proposals: Sequence[Proposal]) -> Array:
+        """Costs (s) over a few starts, up to the horizon of the exploration."""
+        return self._costs(proposals, self._next_starts(self.settings.explored_starts, again=True), self.horizon)
+
+    def learned(self, proposals: Sequence[Proposal]) -> Array:
+        """Costs (s) over the next training starts."""
+        horizon = min(self.longest, self.settings.learned_horizon * self.least)
+        return self._costs(proposals, self._next_starts(self.settings.learned_starts), horizon)
+
+    def _next_starts(self, count: int, again: bool = False) -> StartSet:
+        """The next training starts, far and near; the same `again`."""
+        far, near = self._training, self._training_near
+        chosen = [(self._next + k) % far.shape[-1] for k in range(min(count, far.shape[-1]))]
+        chosen_near = [(self._next + k) % near.shape[-1] for k in range(self._near(count))]
+        self._next += 0 if again else count
+        return StartSet.joined([StartSet.halves(far[..., chosen]), StartSet.halves(near[..., chosen_near])])
+
+    def _near(self, far: int) -> int:
+        """How many near starts go with so many far ones: an even number, so that halves are fair."""
+        return 2 * max(1, round(self.settings.near_share * far / 2))
+
+    def _costs(self, proposals: Sequence[Proposal], starts: StartSet, horizon: float) -> Array:
+        if not proposals:
+            return np.zeros(0)
+        outcomes = measure_all(self.task.setup, controls_of(proposals), starts, horizon, self.executor)
+        self.work += float(outcomes.work.sum())
+        return cost(outcomes.time, outcomes.excess, horizon, self.settings)

@@ -1,4 +1,4 @@
-"""Runs of CMA-ES side by side, of which the worse half ends again and again."""
+"""Runs of CMA-ES side by side, of which the worse half ends after each round."""
 
 from __future__ import annotations
 
@@ -7,61 +7,72 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...models.deadline import Deadline
-from ..scaled_gains import Scalars
 from ..task import Progress
-from .candidates import by_separate_gains
-from .cma_run import CmaRun
+from .cma_es import CmaEs
 from .comparison import Comparison
+from .exploration import Scored, by_cost
+from .space import Point, Space
 
 
-def halve(comparison: Comparison, runs: Sequence[CmaRun], deadline: Deadline, progress: Progress) -> None:
-    """Advance all runs, then the better half, then the better half of those, and so on; in the end the best alone."""
-    for _ in range(comparison.settings.rounds):
-        advance(comparison, runs, comparison.settings.scalars_starts, deadline, progress)
-        runs = sorted(runs, key=lambda run: run.best)[: math.ceil(len(runs) / 2)]
+class Run:
+    """A run of CMA-ES from its own beginning, and the best point that it has met."""
+
+    def __init__(self, space: Space, begin: Point, population: int, spread: float) -> None:
+        settings = space.task.settings
+        self.space, self.best = space, math.inf  # s, least cost over the held-out starts
+        self._converged = settings.converged
+        self._strategy = CmaEs(begin, spread, population, space.task.options.seed)
+        self._points = np.zeros((0, len(begin)))
+        self.new: list[Point] = []  # the centre after the last generation and its best point
+
+    @property
+    def converged(self) -> bool:
+        """Whether the strategy has nothing more to try."""
+        return self._strategy.spread < self._converged
+
+    def ask(self) -> list[Point]:
+        """The next generation."""
+        self._points = self.space.snapped(self._strategy.ask())
+        return list(self._points)
+
+    def tell(self, costs: Sequence[float]) -> None:
+        """Learn from the costs of that generation."""
+        self._strategy.tell(self._points, np.array(costs))
+        # The centre owes less to luck than the best: far from the goal the motion is chaotic.
+        self.new = [self.space.snapped(self._strategy.mean), self._points[int(np.argmin(costs))]]
 
 
-def search_separate_gains(
-    comparison: Comparison, begins: Sequence[Scalars], runs: list[CmaRun], deadline: Deadline, progress: Progress
-) -> None:
-    """Go on with separate gains from the beginnings; with every third of the time the worse half of the runs ends.
+def halve(
+    comparison: Comparison, runs: Sequence[Run], until: float, elite: list[Scored], progress: Progress
+) -> list[Scored]:
+    """Advance all runs, then the better half, then the better half of those, and at last the best alone.
 
-    So do runs that find nothing better any more. The runs are appended to `runs`, which an interrupt leaves as far as
-    they came.
+    It ends with a share `until` of the work. Returns `elite` with the best points that were met, least cost first;
+    it is changed in place as well, so that an interrupt leaves it as far as it came.
     """
-    settings = comparison.settings
-    make, more = by_separate_gains(comparison.task)
-    points = [np.concatenate([begin.logarithms(), np.zeros(more)]) for begin in begins]
-    population, spread = settings.own_gains_population, settings.own_gains_spread
-    runs += [CmaRun(comparison.task, make, point, population, spread) for point in points]
-    going, begun, waited = list(runs), deadline.share, [0] * len(runs)
-    while going and not deadline.passed:
-        before = [run.best for run in going]
-        advance(comparison, going, settings.own_gains_starts, deadline, progress)
-        waited = [0 if run.best < best else count + 1 for run, best, count in zip(going, before, waited, strict=True)]
-        third = int(3 * (deadline.share - begun) / (1 - begun))
-        kept = sorted(range(len(going)), key=lambda k: going[k].best)[: math.ceil(len(runs) / 2**third)]
-        kept = [k for k in kept if waited[k] < settings.patience and not going[k].converged]
-        going, waited = [going[k] for k in kept], [waited[k] for k in kept]
+    going = list(runs)
+    while going and comparison.share < until:
+        for generation in range(comparison.settings.generations):
+            if comparison.share >= until:
+                break
+            _advance(comparison, going)
+            done = max((generation + 1) / comparison.settings.generations, comparison.share)
+            progress(f"searching: {comparison.least:.3g} s", min(1.0, done))
+        new = [(run, point) for run in going for point in run.new]
+        costs = comparison.compared([run.space.proposal(point) for run, point in new])
+        for (run, point), value in zip(new, costs.tolist(), strict=True):
+            run.best = min(run.best, value)
+            elite.append((value, run.space.extended(point) if len(point) < run.space.size else point))
+        elite[:] = by_cost(elite)[: comparison.settings.elite]
+        going = sorted(going, key=lambda run: run.best)[: math.ceil(len(going) / 2)]
+        going = [run for run in going if not run.converged]
+    return elite
 
 
-def advance(comparison: Comparison, runs: Sequence[CmaRun], count: int, deadline: Deadline, progress: Progress) -> None:
-    """A round of generations of all runs, from `count` training starts each, then a comparison of new candidates."""
-    generations = comparison.settings.generations
-    for generation in range(generations):
-        going = [run for run in runs if not run.converged]
-        if deadline.passed or not going:
-            break
-        asked = [run.ask() for run in going]
-        costs = comparison.learned([candidate for candidates in asked for candidate in candidates.values()], count)
-        for run, candidates in zip(going, asked, strict=True):
-            run.tell({number: next(costs) for number in candidates})
-        best = min(run.best for run in runs)
-        progress(
-            f"searching: {best:.0f} s" if best < math.inf else "searching",
-            max((generation + 1) / generations, deadline.share),
-        )
-    new = [(run, candidate) for run in runs for candidate in run.new]
-    for (run, candidate), (value, _) in zip(new, comparison.compared([one for _, one in new]), strict=True):
-        run.compare(value, candidate)
+def _advance(comparison: Comparison, runs: Sequence[Run]) -> None:
+    """One generation of all runs over the same starts."""
+    generations = [run.ask() for run in runs]
+    proposals = [run.space.proposal(point) for run, points in zip(runs, generations, strict=True) for point in points]
+    costs = iter(comparison.learned(proposals).tolist())
+    for run, points in zip(runs, generations, strict=True):
+        run.tell([next(costs) for _ in points])

@@ -1,77 +1,118 @@
-"""The final ranking: candidates over common starts that the search has not seen."""
+"""The final ranking: rounded candidates over common starts that the search has not seen."""
 
 from __future__ import annotations
 
 import logging
-import math
 from collections.abc import Sequence
 from concurrent.futures import Executor
+from dataclasses import dataclass, replace
 
-from ...models.equations import State
+import numpy as np
+
+from ...models.errors import UndecidedError
 from ...models.starts import Draw
 from ..cost import cost
-from ..measurement import measure_all
-from ..rollouts.settling import Limits
-from ..task import Candidate, Progress, Task
+from ..measurement import StartSet, controls_of, measure_all
+from ..rollouts.columns import Setup
+from ..rollouts.runge_kutta import Array
+from ..task import Candidate, Progress, Proposal, Task
 
 LOG = logging.getLogger(__name__)
 
-Ranked = tuple[list[Candidate], list[float]]  # least cost first, and the settling times (s) of the first
+STEPS_PER_DECADE = 10  # of the sample times that are tried
+DECADES = 2  # that they go up or down from the fleet's own
+PATIENCE = 3.0  # times the worst settling time of the fleet's own sample time, for others
 
 
-def rank_finally(
-    task: Task,
-    candidates: Sequence[Candidate],
-    searched: bool,
-    horizon: float,
-    executor: Executor | None,
-    progress: Progress,
-) -> Ranked:
-    """The candidates ranked, and the best of them once more from more starts where the settings ask for it."""
-    settings = task.settings
-    count = settings.ranking_starts if searched else settings.unsearched_ranking_starts
-    starts = task.starts(Draw.RANKING, count, settings.ranked_vehicles)
-    ranked, times = rank(task, candidates, starts, horizon, executor, progress, settings.keep_on_interrupt)
-    if not settings.final_ranking:
-        return ranked, times
-    final = task.starts(Draw.FINAL_RANKING, settings.final_starts, settings.final_vehicles)
-    if len(final) <= len(starts):
-        return ranked, times
-    try:
-        return rank(task, ranked[: settings.final_candidates], final, horizon, executor, progress)
-    except KeyboardInterrupt:
-        if not settings.keep_on_interrupt:
-            raise
-        LOG.warning("final ranking: interrupted; the best from %d starts is kept", len(times))
-        return ranked, times
+@dataclass(frozen=True, eq=False)
+class Ranked:
+    """The best candidate and what was measured of it."""
+
+    candidate: Candidate
+    settling: tuple[float, ...]  # s, from the ranking starts, with continuous torques; inf where not settled
+    settling_held: tuple[float, ...]  # the same with torques that are held and the other disturbances
+    largest_sample_time: float | None  # s, at which all ranking starts settle; None where none is known
 
 
-def rank(
-    task: Task,
-    candidates: Sequence[Candidate],
-    starts: Sequence[State],
-    horizon: float,
-    executor: Executor | None,
-    progress: Progress,
-    keep: bool = False,
-) -> Ranked:
-    """The candidates by cost over the starts, least first, and the settling times (s) of the first.
+def best_of(task: Task, proposals: Sequence[Proposal], executor: Executor | None, progress: Progress) -> Ranked:
+    """The best of some proposals, rounded. Raises UndecidedError where rounding leaves none of them."""
+    candidates = rounded(task, proposals)
+    far = task.far_starts(Draw.RANKING, task.settings.ranking_starts)
+    near = task.near_starts(Draw.RANKING, 2 * max(1, round(task.settings.near_share * far.shape[-1] / 2)))
+    starts = StartSet.joined([StartSet.both(far), StartSet.halves(near)])
+    progress("ranking candidates by simulation", 0.0)
+    horizon, costs, time = _settled(task, candidates, starts, executor)
+    best = int(np.argmin(costs))
+    count, half = far.shape[-1], starts.continuous.shape[-1]
+    worst = float(time[best].max())
+    horizon = min(horizon, PATIENCE * worst)
+    progress("measuring the largest sample time", 0.5)
+    return Ranked(
+        candidate=candidates[best],
+        settling=tuple(time[best, :count].tolist()),
+        settling_held=tuple(time[best, half : half + count].tolist()),
+        largest_sample_time=largest_sample_time(task, candidates[best], far, horizon, executor),
+    )
 
-    They are simulated up to a share of the horizon, and further where the first does not settle from every start.
-    With `keep` an interrupt leaves those that have been measured, if there are any.
+
+def rounded(task: Task, proposals: Sequence[Proposal]) -> list[Candidate]:
+    """The candidates of those proposals that can be rounded. Raises UndecidedError where there are none."""
+    candidates = []
+    for proposal in proposals:
+        try:
+            candidates.append(task.rounded(proposal))
+        except UndecidedError as error:
+            LOG.warning("%s: a candidate is left out: %s", proposal.origin, error)
+            failure = error
+    if not candidates:
+        raise failure
+    return candidates
+
+
+def _settled(
+    task: Task, candidates: Sequence[Candidate], starts: StartSet, executor: Executor | None
+) -> tuple[float, Array, Array]:
+    """A horizon (s), and costs (C,) and times (C, S) up to it: so long that the best settles, if it does in time."""
+    settings, controls = task.settings, controls_of(candidates)
+    way = task.half_width / float(np.min(task.data.speed))
+    horizon = way + settings.first_horizon * task.typical.time
+    longest = way + settings.longest_horizon * task.typical.time
+    while True:
+        outcomes = measure_all(task.setup, controls, starts, horizon, executor)
+        costs = cost(outcomes.time, outcomes.excess, horizon, settings)
+        late = np.isinf(outcomes.time[np.argmin(costs)]).any()
+        if not late or horizon >= min(longest, settings.ranked_horizon * costs.min()):
+            return horizon, costs, outcomes.time
+        horizon = min(2 * horizon, longest)
+
+
+def largest_sample_time(
+    task: Task, candidate: Candidate, far: Array, horizon: float, executor: Executor | None
+) -> float | None:
+    """The largest of some sample times up to which all starts settle by the horizon (s); None where none does.
+
+    The sample times are the fleet's own, multiplied or divided by powers of 10^(1/10).
     """
-    measured: list[tuple[float, int, list[float]]] = []
-    try:
-        for share in task.settings.ranking_shares:
-            measured, end = [], share * horizon
-            for number, runs in enumerate(measure_all(task, candidates, starts, Limits(end), executor)):
-                measured.append((cost(runs, end, task.settings), number, [run.time for run in runs]))
-                progress("ranking candidates by simulation", (number + 1) / len(candidates))
-            if max(min(measured)[2]) < math.inf:
-                break
-    except KeyboardInterrupt:
-        if not (keep and measured):
-            raise
-        LOG.warning("ranking: interrupted; %d of %d candidates are kept", len(measured), len(candidates))
-    measured.sort()
-    return [candidates[number] for _, number, _ in measured], measured[0][2]
+    controls, nowhere = controls_of([candidate]), far[..., :0]
+
+    def settles(step: int) -> bool:
+        factor = round(10 ** (step / STEPS_PER_DECADE), 2)
+        outcomes = measure_all(_resampled(task.setup, factor), controls, StartSet(nowhere, far), horizon, executor)
+        return bool(np.isfinite(outcomes.time).all())
+
+    def sample_time(step: int) -> float:
+        return _resampled(task.setup, round(10 ** (step / STEPS_PER_DECADE), 2)).disturbance.sample_time
+
+    most = STEPS_PER_DECADE * DECADES
+    if settles(0):
+        last = next((step - 1 for step in range(1, most) if not settles(step)), most - 1)
+        return sample_time(last)
+    shorter = next((step for step in range(-1, -most, -1) if settles(step)), None)
+    return None if shorter is None else sample_time(shorter)
+
+
+def _resampled(setup: Setup, factor: float) -> Setup:
+    """The same robots with another sample time."""
+    old = setup.disturbance
+    delay = round(old.delay / factor)
+    return replace(setup, disturbance=replace(old, sample_time=factor * old.sample_time, delay=delay))

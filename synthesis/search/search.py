@@ -1,4 +1,4 @@
-"""The time-domain search: CMA-ES over the scalars, then over separate gains, from the programs' candidates on."""
+"""The time-domain search: random scalars, CMA-ES over the scalars, then over separate gains and scales."""
 
 from __future__ import annotations
 
@@ -6,52 +6,45 @@ import logging
 from collections.abc import Sequence
 from concurrent.futures import Executor
 
-from ...models.deadline import Deadline
-from ..task import Candidate, Progress, Task
-from .candidates import by_cost, by_scalars, distinct
-from .cma_run import CmaRun
+from ..task import Progress, Proposal, Task
 from .comparison import Comparison
-from .exploration import explore
-from .halving import halve, search_separate_gains
+from .exploration import Scored, distinct, explore
+from .halving import Run, halve
+from .space import Point, Space
 
 LOG = logging.getLogger(__name__)
 
 
-def search(
-    task: Task, incumbents: Sequence[Candidate], horizon: float, executor: Executor | None, progress: Progress
-) -> list[Candidate]:
-    """The best candidates met and the incumbents, to be ranked on starts that the search has not seen.
+def search(task: Task, incumbents: Sequence[Proposal], executor: Executor | None, progress: Progress) -> list[Proposal]:
+    """The best proposals met and the incumbents, to be ranked on starts that the search has not seen.
 
-    The landscape has many basins: the incumbents and random scalars around them are tried, the best `basins` go on for
-    some generations, the better half of those again, and so on; then, with `own_gains`, the best go on with separate
-    gains. For one seed the generations are the same: only the clock can change the result.
+    The landscape has many basins: typical scalars, those of the incumbents and random ones around them are tried, the
+    best `basins` go on for some generations, the better half of those again, and so on; then, with `separate_gains`,
+    the best go on with separate gains and scales. For one seed the result is the same on every machine.
     """
-    settings = task.settings
-    comparison = Comparison(task, horizon, executor)
-    deadline = Deadline(settings.seconds)
-    first = Deadline(settings.scalars_share * settings.seconds)
-    runs: list[CmaRun] = []
-    kept: list[Candidate] = []
+    settings, space = task.settings, Space.of(task)
+    comparison = Comparison(task, executor)
+    elite: list[Scored] = []
+    met: list[tuple[Space, Point]] = []
     try:
-        kept = explore(comparison, incumbents, first, progress)
-        # Where only convex programs gave gains there are no scalars to begin at.
-        for begin in distinct(kept, settings.basin_distance, settings.basins):
-            runs.append(CmaRun(task, by_scalars(task), begin.logarithms(), settings.population, settings.spread))
-        halve(comparison, runs, first, progress)
-        if settings.own_gains:
-            compared = [*(pair for run in runs for pair in run.elite), *comparison.compared(kept[: settings.elite])]
-            kept, runs = [candidate for _, candidate in by_cost(compared)], []
-            if len(task.fleet) <= settings.roles_vehicles:
-                begins = distinct(kept, settings.basin_distance, settings.own_gains_basins)
-                search_separate_gains(comparison, begins, runs, deadline, progress)
+        centres = [space.point(task.typical), *(space.point(one.scalars) for one in incumbents if one.scalars)]
+        explored = explore(comparison, space, centres, progress)
+        begins = distinct(explored, settings.basin_distance, settings.basins)
+        runs = [Run(space, begin, settings.population, settings.spread) for begin in begins]
+        halve(comparison, runs, settings.scalars_share, elite, progress)
+        if settings.separate_gains and elite and len(task.fleet) <= settings.roles_vehicles:
+            met = [(space, point) for _, point in elite[: settings.elite // 2]]
+            wider, best = space.with_separate_gains(), [point for _, point in elite[:2]]
+            elite = []
+            population, spread = settings.separate_population, settings.separate_spread
+            further = [Run(wider, wider.extended(point), population, spread) for point in best]
+            space = wider
+            halve(comparison, further, 1.0, elite, progress)
     except KeyboardInterrupt:
         if not settings.keep_on_interrupt:
             raise
         LOG.warning("time-domain search: interrupted; the best so far is kept")
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
-    best = sorted(runs, key=lambda run: run.best)[: settings.finalists]
-    tried = [candidate for candidate in kept[: settings.elite] if candidate not in incumbents]
-    begun = [candidate for candidate in incumbents if candidate.scalars] or incumbents
-    found = [candidate for run in best for candidate in run.candidates()]
-    return [*found, *(tried if settings.own_gains else []), *begun]
+    met = [*((space, point) for _, point in elite), *met]
+    return [*(where.proposal(point) for where, point in met), *incumbents]

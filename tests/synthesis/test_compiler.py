@@ -18,8 +18,7 @@ from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.rollouts import compiler
 from gaincert.synthesis.rollouts.closed_loop import ClosedLoop, Controls
 from gaincert.synthesis.rollouts.compiler import At, LoopNest, Single, compiled, pointer, single_ops
-from gaincert.synthesis.rollouts.runge_kutta import BOGACKI_SHAMPINE, DORMAND_PRINCE, Stepper, Tableau
-from gaincert.synthesis.settings import Accuracy
+from gaincert.synthesis.rollouts.runge_kutta import BOGACKI_SHAMPINE, DORMAND_PRINCE, Accuracy, Stepper, Tableau
 
 SYMBOL = ca.SX.sym
 

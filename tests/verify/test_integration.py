@@ -9,8 +9,7 @@ from gaincert.models.algebra.ops import flat_ops, numpy_ops
 from gaincert.models.equations import State
 from gaincert.models.fleet import Fleet
 from gaincert.models.starts import random_starts
-from gaincert.synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Stepper
-from gaincert.synthesis.settings import Accuracy
+from gaincert.synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Accuracy, Stepper
 from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.engines import ENGINES, LARGE, engine_name, make_integrator
 from gaincert.verify.simulation.integrators import Adams, Cvodes, Dop853

@@ -14,8 +14,7 @@ import numpy as np
 from ...models.algebra.ops import flat_ops, unbounded
 from ...models.equations import State, closed_loop
 from ...models.errors import UndecidedError
-from ...synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Rate, Stepper
-from ...synthesis.settings import Accuracy
+from ...synthesis.rollouts.runge_kutta import DORMAND_PRINCE, Accuracy, Rate, Stepper
 from .closed_loop import ClosedLoop, Floats
 from .integrators import Explicit
 
