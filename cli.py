@@ -84,6 +84,7 @@ def design(
     mode: cli.ModeOption = cli.Mode.fast,
     conditions: cli.ConditionsOption = cli.Conditions.paper,
     excitation: cli.ExcitationOption = None,
+    saturation: cli.SaturationOption = None,
     weights: cli.WeightsOption = cli.Source.given,
     seed: cli.Seed = 0,
     time_limit: cli.TimeLimit = 600.0,
@@ -102,7 +103,7 @@ def design(
         read_gains(against, fleet)  # report its mistakes before the work begins
     settled = tolerance_of(tolerance)
     options = DesignOptions(
-        mode, conditions, excitation, weights, seed, digits, time_limit, settled, torque_factor, box
+        mode, conditions, excitation, saturation, weights, seed, digits, time_limit, settled, torque_factor, box
     )
     designed = design_fleet(printer, fleet, options, folder, Pool(workers, scheduler))
     document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
@@ -261,6 +262,7 @@ def run(
     mode: cli.ModeOption = cli.Mode.fast,
     conditions: cli.CertifiedConditions = None,
     excitation: cli.ExcitationOption = None,
+    saturation: cli.SaturationOption = None,
     weights: cli.WeightsOption = cli.Source.given,
     seed: cli.Seed = 0,
     time_limit: cli.TimeLimit = 600.0,
@@ -273,7 +275,9 @@ def run(
     """Design, certify, prove, simulate, report: all in one."""
     fleet, settled = read_fleet(fleet_path), tolerance_of(tolerance)
     wanted = conditions or cli.Conditions.paper
-    options = DesignOptions(mode, wanted, excitation, weights, seed, digits, time_limit, settled, torque_factor, box)
+    options = DesignOptions(
+        mode, wanted, excitation, saturation, weights, seed, digits, time_limit, settled, torque_factor, box
+    )
     disturbance = DisturbanceOptions().of(fleet, seed)
     simulation = Simulation(tuple(cli.Scheme), horizon, settled, disturbance=disturbance)
     pipeline = Pipeline(printer, fleet, simulation, folder)

@@ -43,6 +43,14 @@ class Source(StrEnum):
     designed = "designed"
 
 
+class Scales(StrEnum):
+    """Whether the saturation scales come from the fleet file, are designed, or are the paper's."""
+
+    given = "given"
+    designed = "designed"
+    unit = "unit"
+
+
 class Format(StrEnum):
     """The formats of `export`."""
 
@@ -148,6 +156,12 @@ CertifiedConditions = Annotated[
 ModeOption = Annotated[Mode, typer.Option(help="fast: some seconds; best: until the time limit")]
 ExcitationOption = Annotated[
     Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given if the file has one]")
+]
+SaturationOption = Annotated[
+    Scales | None,
+    typer.Option(
+        help="scales of the fleet file, designed ones, or unit: the paper's [default: given where it has some]"
+    ),
 ]
 WeightsOption = Annotated[Source, typer.Option(help="a_ij and a_il of the fleet file, or designed ones on its links")]
 Seed = Annotated[int, typer.Option(min=0, help="seed of the random starts and of the search")]

@@ -26,7 +26,8 @@ def compare_designs(
 ) -> list[dict[str, Any]]:
     """Measure a design, its variants and the gains of a file from the same starts; files go to DIR/NAME.
 
-    The variants are designs in mode "fast" under every other condition set, given and designed psi and weights.
+    The variants are designs in mode "fast" under every other condition set, given and designed psi and weights, and
+    one with unit scales.
     """
     from ..reports.tables.designs_table import as_json, design_rows, for_terminal
 
@@ -43,7 +44,7 @@ def compare_designs(
     if against is not None:
         measure(read_gains(against, fleet), folder / against.stem)
     for variant in variants_of(fleet, design, options) if variants else ():
-        place = folder / f"{variant.conditions}_{variant.excitation}-excitation_{variant.weights}-weights"
+        place = folder / name_of(variant)
         printer.say(f"designing {place.name} for comparison")
         other = design_gains(printer, fleet, variant)
         write_design(printer.silent(), other, place)
@@ -54,14 +55,22 @@ def compare_designs(
 
 
 def variants_of(fleet: Fleet, design: Design, options: DesignOptions) -> list[DesignOptions]:
-    """The combinations of options that `design` did not use."""
+    """The combinations of options that `design` did not use, and its own with unit scales."""
     from ..models.conditions import CONDITION_SETS
 
     sources = ("given", "designed")
     taken = (design.conditions.name, sources[design.excitation_designed], sources[design.links is not None])
     choices = product(CONDITION_SETS, sources if fleet.psi else ("designed",), sources)
-    return [
+    variants = [
         replace(options, mode="fast", conditions=conditions, excitation=excitation, weights=weights)
         for conditions, excitation, weights in choices
         if (conditions, excitation, weights) != taken
     ]
+    unit = replace(options, mode="fast", excitation=sources[design.excitation_designed], saturation="unit")
+    return variants if design.gains.saturation.unit else [*variants, unit]
+
+
+def name_of(variant: DesignOptions) -> str:
+    """The folder of a variant, which says its choices."""
+    name = f"{variant.conditions}_{variant.excitation}-excitation_{variant.weights}-weights"
+    return f"{name}_unit-scales" if variant.saturation == "unit" else name

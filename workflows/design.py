@@ -28,6 +28,7 @@ class DesignOptions:
     mode: str
     conditions: str
     excitation: str | None
+    saturation: str | None
     weights: str
     seed: int
     digits: int
@@ -103,9 +104,33 @@ def sentences(design: Design) -> list[str]:
     worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
     lines = [
         f"conditions {design.conditions.name} ({', '.join(design.conditions.sources)}), found by the {design.origin}",
+        f"scales: {scales_of(design)}",
         f"psi: {'designed' if design.excitation_designed else 'as given'}, |psi| <= {float(psi.bound):.6g}, "
         f"{float(psi.frequency):.4g} rad/s",
         f"settles within {design.tolerance.position:g} m and {design.tolerance.heading:g} rad "
         f"from {len(times)} starts: median {times[len(times) // 2]:.0f} s, worst {worst}",
     ]
+    lines.append(held(design))
     return lines if design.excitation_designed else [*lines, "psi was given; --excitation designed may settle faster"]
+
+
+def scales_of(design: Design) -> str:
+    """The saturation scales; those of v and omega as the smallest and the largest."""
+    scale, count = design.gains.saturation, len(design.fleet)
+    if scale.unit:
+        return "1 m, 1 rad, 1 m/s, 1 rad/s (the paper's)"
+    columns = scale.columns(count)
+    ranges = [f"{float(min(columns[name])):.3g} to {float(max(columns[name])):.3g}" for name in ("speed", "turn_rate")]
+    return f"{float(scale.position):.3g} m, {float(scale.heading):.3g} rad, {ranges[0]} m/s, {ranges[1]} rad/s"
+
+
+def held(design: Design) -> str:
+    """What remains of a design on a robot whose torques are held between samples."""
+    times = sorted(design.settling_held)
+    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
+    largest = design.largest_sample_time
+    return (
+        f"as a robot with a sample time of {design.sample_time:g} s and its disturbances: "
+        f"median {times[len(times) // 2]:.0f} s, worst {worst}; all of these starts settle "
+        + (f"with sample times up to {largest:.3g} s" if largest else "with none of the sample times tried")
+    )

@@ -68,7 +68,9 @@ class Sampled(Columns):
             "last": np.ascontiguousarray(last),
             "t": np.full(width, self._number * disturbance.sample_time, Single),
         }
-        self._arrays["phase"][...] = phases(self._controls.frequency, self._arrays["t"].astype(float))
+        # From the exact time, as `advance` does: else a column would depend on when others leave.
+        exact = np.full(width, self._number * disturbance.sample_time)
+        self._arrays["phase"][...] = phases(self._controls.frequency, exact)
         if self._noise is not None:
             self._arrays["noise"] = self._noise
         if disturbance.lost_edge is not None:

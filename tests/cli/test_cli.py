@@ -17,6 +17,7 @@ from gaincert.cli_app import app
 from gaincert.cli_options import Template
 from gaincert.models.files.gains_file import GainsFile
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.models.saturation import Saturation
 from gaincert.models.tolerance import Tolerance
 from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import IntegrationError, Summary
@@ -257,12 +258,15 @@ def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Pa
 @pytest.mark.parametrize("given", [True, False])
 def test_a_comparison_takes_every_choice_but_the_one_that_was_made(given: bool) -> None:
     fleet = SimpleNamespace(psi=object() if given else None)
-    made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None)
-    options = DesignOptions("best", "paper", "designed", "given", 0, 4, 600.0, Tolerance(), 1.0, None)
-    variants = [(v.conditions, v.excitation, v.weights) for v in variants_of(fleet, made, options)]
+    gains = SimpleNamespace(saturation=Saturation(position=0.3))
+    made = SimpleNamespace(conditions=SimpleNamespace(name="paper"), excitation_designed=True, links=None, gains=gains)
+    options = DesignOptions("best", "paper", "designed", None, "given", 0, 4, 600.0, Tolerance(), 1.0, None)
+    *others, unit = variants_of(fleet, made, options)
+    variants = [(v.conditions, v.excitation, v.weights) for v in others]
     assert len(set(variants)) == len(variants) == (11 if given else 5)
     assert ("paper", "designed", "given") not in variants
     assert any(choice[1] == "given" for choice in variants) == given
+    assert (unit.conditions, unit.excitation, unit.weights, unit.saturation) == ("paper", "designed", "given", "unit")
 
 
 # -- the application ---------------------------------------------------------------------------------------------------

@@ -10,11 +10,11 @@ import sys
 import time
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import casadi as ca
-import cma
 import cvxpy as cp
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ from gaincert import parallel as dispatch
 from gaincert.console import Printer
 from gaincert.models.arrays import floats
 from gaincert.models.conditions import condition_set
-from gaincert.models.equations import State, closed_loop
+from gaincert.models.equations import control
 from gaincert.models.errors import UndecidedError
 from gaincert.models.files.fleet_file import load_fleet as load
 from gaincert.models.files.templates import template_text
@@ -31,13 +31,16 @@ from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet, paper_gains
 from gaincert.synthesis import rates
-from gaincert.synthesis.design import FALLBACK, Design, candidates, design
+from gaincert.synthesis.design import Design, design, incumbents
 from gaincert.synthesis.programs import averaged
 from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.programs.rates import convex_designs
 from gaincert.synthesis.programs.weights import SPREAD, design_weights
 from gaincert.synthesis.rollouts import closed_loop as compiled_loop
+from gaincert.synthesis.rollouts import continuous, sampled
 from gaincert.synthesis.rounding import rounded
+from gaincert.synthesis.search import halving
+from gaincert.synthesis.search.cma_es import CmaEs
 from gaincert.synthesis.search.search import search
 from gaincert.synthesis.settings import FAST, Settings
 from gaincert.synthesis.task import Options, Task, prepare
@@ -46,7 +49,7 @@ from gaincert.verify.simulation.simulate import simulate
 
 from tests.campaigns import faults
 
-SHORT = replace(FAST, ranking_starts=1, generations=1, training_starts=1, heldout_starts=1)
+SHORT = replace(FAST, work=1e6, explored=8, ranking_starts=2, generations=1, training_starts=2, heldout_starts=2)
 PSI = '[excitation]\nfamily = "harmonics"\nfrequency = 1\nmean = 0\nsin = [1]\n'
 
 
@@ -126,7 +129,7 @@ def clarabel(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) ->
 def test_without_clarabel_the_averaged_program_takes_over(
     clarabel: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
 ) -> None:
-    proposed, _ = candidates(task_of(fleet))
+    proposed = incumbents(task_of(fleet))
     assert "averaged program" in {candidate.origin for candidate in proposed}
     for candidate in proposed:
         conditions = condition_set("corrected")
@@ -179,7 +182,7 @@ class Ipopt:
         self.number, self.success = number, success
 
     def __call__(self, **_problem: Any) -> dict[str, Any]:
-        return {"x": ca.DM([self.number] * 10), "f": ca.DM(self.number)}
+        return {"x": ca.DM([self.number] * 14), "f": ca.DM(self.number)}
 
     def stats(self) -> dict[str, Any]:
         return {"success": self.success, "return_status": "whatever"}
@@ -211,9 +214,8 @@ def ipopt(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> st
 def test_without_ipopt_the_convex_programs_take_over(
     ipopt: str, fleet: Fleet, caplog: pytest.LogCaptureFixture
 ) -> None:
-    proposed, horizon = candidates(task_of(fleet))
+    proposed = incumbents(task_of(fleet))
     assert {candidate.origin for candidate in proposed} == {"convex programs"}
-    assert math.isfinite(horizon)
     assert "averaged program: left out" in caplog.text
     assert ("it broke down" in caplog.text) == (ipopt == "error")
 
@@ -229,7 +231,7 @@ def test_an_ipopt_that_cannot_be_built_is_left_out(
 def test_without_any_program_the_closed_form_is_what_is_left(fleet: Fleet, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(averaged.ca, "nlpsol", lambda *_: Broken())
     monkeypatch.setattr(cp.Problem, "solve", error(cp.SolverError))
-    monkeypatch.setattr(cma, "CMAEvolutionStrategy", error(RuntimeError))
+    monkeypatch.setattr(halving, "CmaEs", error(RuntimeError))
     assert designed(fleet).origin == "closed form"
 
 
@@ -239,12 +241,15 @@ def test_without_any_program_the_closed_form_is_what_is_left(fleet: Fleet, monke
 def test_gains_that_the_integrator_gives_up_on_count_as_never_settled(
     fleet: Fleet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def broken(*arguments: Any) -> State:
-        return State(*(math.nan * column for column in closed_loop(*arguments)))
+    def broken(*arguments: Any) -> tuple[Any, Any]:
+        return tuple(math.nan * torque for torque in control(*arguments))  # type: ignore[return-value]
 
-    monkeypatch.setattr(compiled_loop, "_loops", compiled_loop._loops.__wrapped__)
-    monkeypatch.setattr(compiled_loop, "closed_loop", broken)
-    assert set(designed(fleet).settling) == {math.inf}
+    monkeypatch.setattr(continuous, "_programs", cache(continuous._programs.__wrapped__))
+    monkeypatch.setattr(sampled, "_program", cache(sampled._program.__wrapped__))
+    monkeypatch.setattr(compiled_loop, "control", broken)
+    made = designed(fleet)
+    assert {*made.settling, *made.settling_held} == {math.inf}
+    assert made.largest_sample_time is None
 
 
 def test_without_cvodes_nothing_is_decided(psi_of_paper: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -263,18 +268,17 @@ def test_without_cma_the_programs_candidates_are_ranked(
     def broken(*_: Any) -> None:
         raise kind("it broke down")
 
-    monkeypatch.setattr(cma, "CMAEvolutionStrategy", broken)
+    monkeypatch.setattr(halving, "CmaEs", broken)
     task = task_of(fleet)
-    incumbents = [task.candidate("here", FALLBACK)]
-    found = search(task, incumbents, 100.0, None, lambda *_: None)
-    assert found == incumbents
+    begun = [task.proposal("here", task.typical)]
+    assert search(task, begun, None, lambda *_: None) == begun
     assert f"time-domain search: broken off: {kind.__name__}: it broke down" in caplog.text
 
 
 def test_what_cma_has_found_is_kept_where_it_breaks_down(
     fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    told, whole = [], cma.CMAEvolutionStrategy.tell
+    told, whole = [], CmaEs.tell
 
     def tell_once(strategy: Any, points: Any, values: Any) -> None:
         told.append(min(values))
@@ -282,33 +286,34 @@ def test_what_cma_has_found_is_kept_where_it_breaks_down(
             raise ValueError("it broke down")
         whole(strategy, points, values)
 
-    monkeypatch.setattr(cma.CMAEvolutionStrategy, "tell", tell_once)
-    task = task_of(fleet, replace(SHORT, generations=2))
-    incumbents = [task.candidate("here", FALLBACK)]
-    found = search(task, incumbents, 60.0, None, lambda *_: None)
-    assert len(found) > len(incumbents)
-    assert found[-1:] == incumbents
+    monkeypatch.setattr(CmaEs, "tell", tell_once)
+    task = task_of(fleet, replace(SHORT, work=1e9, basins=1))
+    begun = [task.proposal("here", task.typical)]
+    found = search(task, begun, None, lambda *_: None)
+    assert len(found) > len(begun)
+    assert found[-1:] == begun
     assert "time-domain search: broken off: ValueError: it broke down" in caplog.text
 
 
 @pytest.mark.parametrize("failing", [1, 10_000])
-def test_scalars_that_leave_no_gains_are_of_no_use_and_end_nothing(
-    failing: int, fleet: Fleet, monkeypatch: pytest.MonkeyPatch
+def test_proposals_that_cannot_be_rounded_are_left_out_and_end_nothing(
+    failing: int, fleet: Fleet, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
-    task = task_of(fleet)
-    incumbents = [task.candidate("here", FALLBACK)]
-    made, whole = [], Task.candidate
+    made, whole = [], Task.rounded
 
-    def rounds(task: Any, origin: str, scalars: Any) -> Any:
-        made.append(scalars)
+    def rounds(task: Any, proposal: Any) -> Any:
+        made.append(proposal)
         if len(made) <= failing:
             raise UndecidedError("rounding to 4 digits breaks (16*)")
-        return whole(task, origin, scalars)
+        return whole(task, proposal)
 
-    monkeypatch.setattr(Task, "candidate", rounds)
-    found = search(task, incumbents, 60.0, None, lambda *_: None)
-    assert found[-1:] == incumbents
-    assert (len(found) > 1) == (failing == 1)
+    monkeypatch.setattr(Task, "rounded", rounds)
+    if failing == 1:
+        designed(fleet)
+        assert "a candidate is left out: rounding to 4 digits breaks (16*)" in caplog.text
+    else:
+        with pytest.raises(UndecidedError, match="rounding to 4 digits breaks"):
+            designed(fleet)
 
 
 # -- the last gate ----------------------------------------------------------------------------------------------------

@@ -3,22 +3,39 @@
 import math
 from dataclasses import replace
 from fractions import Fraction
+from functools import cache
 
 import casadi as ca
 import llvmlite.binding as llvm
 import numpy as np
 import pytest
 from gaincert.models.algebra.ops import numpy_ops
-from gaincert.models.equations import Plant, State, closed_loop
+from gaincert.models.equations import Plant, State, closed_loop, motion
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES, Gains
 from gaincert.models.paper import paper_fleet
 from gaincert.models.saturation import Saturation
 from gaincert.synthesis.programs.excitation import flat_tones
 from gaincert.synthesis.rollouts import compiler
-from gaincert.synthesis.rollouts.closed_loop import ClosedLoop, Controls
-from gaincert.synthesis.rollouts.compiler import At, LoopNest, Single, compiled, pointer, single_ops
+from gaincert.synthesis.rollouts.closed_loop import (
+    Controls,
+    controller_arrays,
+    controller_loops,
+    controller_parts,
+    edge_ends,
+    phases,
+)
+from gaincert.synthesis.rollouts.compiler import (
+    Double,
+    Program,
+    Single,
+    compiled,
+    compiled_programs,
+    pointer,
+)
+from gaincert.synthesis.rollouts.loops import At, LoopNest, Part
 from gaincert.synthesis.rollouts.runge_kutta import BOGACKI_SHAMPINE, DORMAND_PRINCE, Accuracy, Stepper, Tableau
+from gaincert.synthesis.rollouts.single_functions import single_ops
 
 SYMBOL = ca.SX.sym
 
@@ -88,28 +105,118 @@ def single_precision_bound(plant: Plant, gains: Gains, tones: float) -> State:
 SPREAD = np.array([20, 20, 4, 3, 2])  # the states of the next test, either way
 
 
+PSI = replace(flat_tones(), frequency=Fraction(7, 5))
+
+
+@cache
+def controller() -> dict[str, Program]:
+    """The compiled rates and torques of any fleet."""
+    parts = {f"find {name}": controller_parts("measured", "phase", name, name) for name in ("rates", "torques")}
+    return compiled_programs(controller_loops(PSI), parts)
+
+
+def evaluated(
+    name: str, plant: Plant, controls: Controls, states: np.ndarray, times: np.ndarray, lost: int | None = None
+) -> np.ndarray:
+    """The rates or torques of states (5, N, B) at times (B,); every other column has lost the edge `lost`."""
+    arrays = controller_arrays(plant, controls)
+    arrays["measured"], arrays["phase"] = states, phases(controls.frequency, times)
+    arrays[name] = np.full((5 if name == "rates" else 2, *states.shape[1:]), math.nan, Single)
+    if lost is not None:
+        arrays["losable"][lost] = 1
+        arrays["connected"][::2] = 0
+    sizes = {"one": 1, "vehicles": plant.graph.vehicles, "edges": plant.graph.edges}
+    pointers = {key: pointer(array) for key, array in arrays.items()}
+    controller()[f"find {name}"].bind(sizes, len(times), pointers, edge_ends(plant.graph))(1)
+    return arrays[name]
+
+
+def drawn_gains(random: np.random.Generator, vehicles: int) -> Gains:
+    """Random gains and scales that singles hold exactly, as doubles."""
+    gains = random.uniform(0.3, 3, (len(GAIN_NAMES), vehicles)).astype(Single).astype(float)
+    network = random.uniform(0.5, 2, 2).astype(Single).astype(float)
+    scales = random.uniform(0.5, 2, (2, vehicles)).astype(Single).astype(float)
+    return Gains(*gains, Saturation(*network, *scales))
+
+
 @pytest.mark.parametrize("columns", [1, 7, 8, 100])
 def test_the_closed_loop_is_that_of_the_equations(fleet: Fleet, columns: int) -> None:
-    """Every fleet of the tests: the compiled rates are those of the equations over doubles, within single precision."""
+    """Every fleet of the tests, every column with its own gains, scales and psi: rates within single precision."""
     random = np.random.default_rng(columns)
-    vehicles, psi = len(fleet), replace(flat_tones(), frequency=Fraction(7, 5))
+    vehicles = len(fleet)
     plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
-    gains = random.uniform(0.3, 3, (len(GAIN_NAMES), vehicles)).astype(Single)
-    scales = random.uniform(0.5, 2, (2, vehicles)).astype(Single).astype(float)
-    exact_gains = Gains(*gains.astype(float), Saturation(0.75, 1.5, *scales))
+    gains = [drawn_gains(random, vehicles) for _ in range(columns)]
+    frequency = random.uniform(0.5, 2, columns).astype(Single).astype(float)
     spread = SPREAD[:, None, None]
     starts = random.uniform(-spread, spread, (5, vehicles, columns)).astype(Single)
     times = random.uniform(0, 20, columns)
-    loop = ClosedLoop(plant, psi)
-    problem = loop.problem(Controls.of([exact_gains] * columns, [float(psi.frequency)] * columns))
-    found = np.empty_like(starts)
-    problem(starts, found)(times)
-    bound = single_precision_bound(plant, exact_gains, sum(abs(float(value)) for value in psi.sin))
+    found = evaluated("rates", plant, Controls.of(gains, frequency.tolist()), starts, times)
+    tones = sum(abs(float(value)) for value in PSI.sin)
     for k, t in enumerate(times):
+        psi = replace(PSI, frequency=Fraction(frequency[k]))
         now, state = psi.value(numpy_ops(), t), State(*starts[..., k].astype(float))
-        exact = closed_loop(numpy_ops(), plant, exact_gains, now, state)
+        exact = closed_loop(numpy_ops(), plant, gains[k], now, state)
+        bound = single_precision_bound(plant, gains[k], tones)
         for rate, true, within in zip(found[..., k], exact, bound, strict=True):
             assert (np.abs(rate - true) <= within).all()
+
+
+def test_torques_are_those_whose_motion_the_rates_are(fleet: Fleet) -> None:
+    """What a robot's computer sends to the wheels moves the vehicles as the closed loop says."""
+    random, vehicles = np.random.default_rng(1), len(fleet)
+    plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
+    gains, spread = drawn_gains(random, vehicles), SPREAD[:, None, None]
+    starts, times = random.uniform(-spread, spread, (5, vehicles, 9)).astype(Single), random.uniform(0, 20, 9)
+    controls = Controls.of([gains] * 9, [1.4] * 9)
+    torques = evaluated("torques", plant, controls, starts, times)
+    bound = single_precision_bound(plant, gains, sum(abs(float(value)) for value in PSI.sin))
+    for k, t in enumerate(times):
+        now, state = PSI.value(numpy_ops(), t), State(*starts[..., k].astype(float))
+        moved = motion(numpy_ops(), plant, state, *torques[..., k].astype(float))
+        exact = closed_loop(numpy_ops(), plant, gains, now, state)
+        for rate, true, within in zip(moved[3:], exact[3:], bound[3:], strict=True):
+            assert (np.abs(rate - true) <= within).all()
+
+
+def test_a_lost_edge_is_missing_in_the_columns_that_have_lost_it() -> None:
+    """They move as a fleet without that edge, and the others as before."""
+    random, fleet = np.random.default_rng(2), paper_fleet()
+    plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
+    spread, lost = SPREAD[:, None, None], 2
+    starts, times = random.uniform(-spread, spread, (5, len(fleet), 6)).astype(Single), random.uniform(0, 20, 6)
+    controls = Controls.of([drawn_gains(random, len(fleet))] * 6, [1.4] * 6)
+    weight = plant.graph.weight.copy()
+    weight[lost] = 0
+    without = replace(plant, graph=replace(plant.graph, weight=weight))
+    found = evaluated("rates", plant, controls, starts, times, lost)
+    whole, less = (evaluated("rates", one, controls, starts, times) for one in (plant, without))
+    assert (found[..., ::2] == less[..., ::2]).all()
+    assert (found[..., 1::2] == whole[..., 1::2]).all()
+    assert (less != whole).any(axis=(0, 1)).all()
+
+
+def test_a_program_runs_its_loops_in_order_again_and_again() -> None:
+    """Every step reads the next of what moves, from the first that is asked for; arrays go by their new names."""
+    y, kick = SYMBOL("y"), SYMBOL("kick")
+    loops = {
+        "add": LoopNest(ca.Function("f", [y, kick], [y + kick]), [("y", At.EACH), ("k", At.ITEM)], [("y", At.EACH)]),
+        "twice": LoopNest(ca.Function("f", [y], [2 * y]), [("here", At.EACH)], [("there", At.EACH)]),
+    }
+    parts = [
+        Part("add", "vehicles", (("k", "kicks"),), moving=("k",)),
+        Part("twice", "vehicles", (("here", "y"), ("there", "z"))),
+        Part("twice", "vehicles", (("here", "z"), ("there", "y"))),
+    ]
+    random = np.random.default_rng(0)
+    kicks, start = (random.integers(-4, 5, shape).astype(Double) for shape in ((7, 1, 3), (3, 10)))
+    arrays = {"kicks": kicks, "y": start.copy(), "z": np.zeros((3, 10))}
+    pointers = {name: pointer(array, Double) for name, array in arrays.items()}
+    program = compiled_programs(loops, {"program": parts}, Double)["program"]
+    program.bind({"vehicles": 3}, 10, pointers)(4, 2)
+    expected = start
+    for step in range(2, 6):
+        expected = 4 * (expected + kicks[step, 0][:, None])
+    assert (arrays["y"] == expected).all()
 
 
 @pytest.mark.parametrize("tableau", [BOGACKI_SHAMPINE, DORMAND_PRINCE], ids=["single", "double"])
@@ -142,6 +249,21 @@ def test_a_plain_processor_finds_the_same(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(compiler.llvm, "get_host_cpu_name", lambda: "")
     monkeypatch.setattr(compiler.llvm, "get_host_cpu_features", lambda: llvm.FeatureMap())
     assert (applied(function, a, b) == here).all()
+
+
+def test_a_plain_processor_finds_the_same_rates(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Also where a program inlines and joins loops."""
+    random, fleet = np.random.default_rng(3), paper_fleet()
+    plant = fleet.plant().map(lambda values: np.asarray(values, dtype=float))
+    spread = SPREAD[:, None, None]
+    starts, times = random.uniform(-spread, spread, (5, len(fleet), 50)).astype(Single), random.uniform(0, 20, 50)
+    controls = Controls.of([drawn_gains(random, len(fleet)) for _ in times], [1.4] * 50)
+    here = evaluated("rates", plant, controls, starts, times)
+    monkeypatch.setattr(compiler.llvm, "get_host_cpu_name", lambda: "")
+    monkeypatch.setattr(compiler.llvm, "get_host_cpu_features", lambda: llvm.FeatureMap())
+    controller.cache_clear()
+    assert (evaluated("rates", plant, controls, starts, times) == here).all()
+    controller.cache_clear()
 
 
 def test_nothing_is_fused() -> None:

@@ -1,5 +1,7 @@
 """The averaged cross-track flow against simulation of the equations themselves."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,14 +14,46 @@ from gaincert.models.excitation import Excitation
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import Gains
 from gaincert.models.paper import paper_fleet
+from gaincert.models.saturation import Saturation
 from gaincert.synthesis.modes import modes
-from gaincert.synthesis.programs.averaged import _Flow
-from gaincert.synthesis.rates import CrossTrack
+from gaincert.synthesis.programs.averaged import LocalScalars, _Flow
+from gaincert.synthesis.rates import CrossTrack, rates
 from gaincert.synthesis.scaled_gains import Scalars, structured
 from scipy.integrate import solve_ivp
 
 PSI = Excitation(Fraction(0), Fraction(1), (Fraction("1.2"), Fraction(0), Fraction("0.3")))
-GOOD = Scalars(0.2, 0.6, 1.0, 0.3, 0.8)
+TIME = 0.3**0.5  # s
+UNIT = Saturation()
+SCALED = Saturation(0.5, 0.4, 0.7, 1.3)
+SATURATIONS = pytest.mark.parametrize("saturation", [UNIT, SCALED], ids=["unit", "scaled"])
+
+
+def good(saturation: Saturation) -> Scalars:
+    """Scalars with given scales and always the same local gains: those that the numbers say at unit scales."""
+    length, heading, speed, turn_rate = (
+        saturation.position,
+        saturation.heading,
+        saturation.speed,
+        saturation.turn_rate,
+    )
+    return Scalars(
+        length=length,
+        time=TIME,
+        mu=0.2 / (0.3 * heading),
+        c=0.6 * turn_rate / heading,
+        h=1.0 * length / heading,
+        e=0.8 * speed / length,
+        tempo=TIME,
+        heading=heading,
+        speed=speed * TIME / length,
+        turn_rate=turn_rate * TIME,
+    )
+
+
+def good_gains(fleet: Fleet, saturation: Saturation = UNIT) -> Gains:
+    """The gains of those scalars."""
+    plant = fleet.plant()
+    return structured(good(saturation), plant.m, plant.inertia, floats(fleet.graph.degree))
 
 
 def one_vehicle() -> Fleet:
@@ -64,13 +98,14 @@ def simulated_decay(fleet: Fleet, gains: Gains, y: np.ndarray, periods: int) -> 
 
 
 @pytest.mark.slow
+@SATURATIONS
 @pytest.mark.parametrize("make", [one_vehicle, paper_fleet])
-def test_the_averaged_flow_is_that_of_the_simulation(make) -> None:
+def test_the_averaged_flow_is_that_of_the_simulation(make: Callable[[], Fleet], saturation: Saturation) -> None:
     """Period means of y fall at the averaged rate within 1 %: a ratio of times, taken after transients have died."""
     fleet = make()
     plant = fleet.plant()
-    gains = structured(GOOD, plant.m, plant.inertia, plant.graph.degree)
-    flow = CrossTrack(plant, gains, PSI)
+    gains = good_gains(fleet, saturation)
+    flow = CrossTrack(plant, gains.local(), PSI)
     means = simulated_decay(fleet, gains, np.full(len(fleet), 0.02), 60)
     first, last = means[:, 20], means[:, 59]
     averaged = solve_ivp(lambda _, y: -flow.flow(y), (0, 39 * 2 * np.pi), first, "LSODA", rtol=1e-10, atol=1e-14)
@@ -82,7 +117,7 @@ def test_one_vehicle_has_the_closed_form_kappa() -> None:
     """docs/theory.md 7.2: kappa = 1/2 sum |G A|^2 Re(i w F)."""
     fleet = one_vehicle()
     plant = fleet.plant()
-    gains = structured(GOOD, plant.m, plant.inertia, plant.graph.degree)
+    gains = good_gains(fleet)
     a, kappa = 1.5, 0.0
     p_w, d_w, k, p_v, d_v = (float(getattr(gains, key)[0]) for key in ("p_omega", "d_omega", "k_alpha", "p_v", "d_v"))
     for w, A in ((1.0, 1.2), (3.0, 0.3)):
@@ -95,7 +130,7 @@ def test_one_vehicle_has_the_closed_form_kappa() -> None:
 def test_the_flow_is_cubic_and_the_tail_time_follows_it() -> None:
     fleet = one_vehicle()
     plant = fleet.plant()
-    track = CrossTrack(plant, structured(GOOD, plant.m, plant.inertia, plant.graph.degree), PSI)
+    track = CrossTrack(plant, good_gains(fleet), PSI)
     kappa = track.flow(np.array([1.0]))[0]
     assert track.flow(np.array([0.1]))[0] == pytest.approx(kappa / 1000, rel=1e-12)
     time, coefficient = track.time_to(np.array([1.0]), 0.1, 10.0)
@@ -106,18 +141,45 @@ def test_the_flow_is_cubic_and_the_tail_time_follows_it() -> None:
     assert track.time_to(np.array([0.05]), 0.1, 10.0)[0] == 0  # it is there already
 
 
-def test_the_programs_flow_is_the_flow() -> None:
+@SATURATIONS
+def test_the_programs_flow_is_the_flow(saturation: Saturation) -> None:
     """The modal form that IPOPT sees equals the vehicle form, in every direction."""
     fleet = paper_fleet()
     plant = fleet.plant()
     D = floats(fleet.graph.degree)
     slow = modes(plant.graph)
-    flow = _Flow(slow, D, PSI, GOOD)
-    track = CrossTrack(plant, structured(GOOD, plant.m, plant.inertia, D), PSI)
+    flow = _Flow(slow, D, PSI, LocalScalars.of(good(saturation), good(saturation).frequency))
+    track = CrossTrack(plant, good_gains(fleet, saturation).local(), PSI)
     for direction in np.random.default_rng(0).normal(size=(5, 6)):
         y = slow.vectors @ direction
         expected = (y * D) @ track.flow(y) * D.sum() / (y @ (D * y)) ** 2
         assert float(flow.decay(direction)) == pytest.approx(expected, rel=1e-9)
+
+
+def test_rates_are_those_of_the_local_gains() -> None:
+    """Near the goal scales only divide gains: rates do not change with them, while with the same raw gains they do."""
+    fleet = paper_fleet()
+    plant = fleet.plant()
+    unit, scaled = (rates(plant, good_gains(fleet, one), PSI) for one in (UNIT, SCALED))
+    for name in ("gamma_omega", "gamma_v", "kappa", "tail_time"):
+        assert getattr(scaled, name) == pytest.approx(getattr(unit, name), rel=1e-4), name
+    raw = rates(plant, replace(good_gains(fleet), saturation=SCALED), PSI)
+    assert abs(raw.gamma_v / unit.gamma_v - 1) > 0.1
+    assert abs(raw.gamma_omega / unit.gamma_omega - 1) > 0.1
+
+
+@SATURATIONS
+def test_scalars_of_a_fleet_are_its_local_scalars(saturation: Saturation) -> None:
+    """The six numbers of the averaged program say the local gains of every vehicle."""
+    fleet = paper_fleet()
+    plant, D = fleet.plant(), floats(fleet.graph.degree)
+    local, near = good_gains(fleet, saturation).local(), LocalScalars.of(good(saturation), 1.0)
+    assert plant.inertia / (local.p_omega * D) == pytest.approx(np.full(len(fleet), near.mu_omega))
+    assert local.d_omega / (local.p_omega * D) == pytest.approx(np.full(len(fleet), near.c))
+    assert local.k_alpha / local.p_omega == pytest.approx(np.full(len(fleet), near.h))
+    assert plant.m / (local.p_v * D) == pytest.approx(np.full(len(fleet), near.mu_v))
+    assert local.d_v / (local.p_v * D) == pytest.approx(np.full(len(fleet), near.e))
+    assert tuple(near) == pytest.approx((0.2, 0.6, 1.0, 0.3, 0.8, 1.0))
 
 
 def test_numbers_beyond_floating_point_are_undecided_and_no_crash() -> None:
