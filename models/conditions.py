@@ -264,11 +264,8 @@ class ConditionSet:
 
     def bounding(self, data: ConditionData) -> list[Condition]:
         """The conditions that can always be met by scaling all gains down: torque limits and accelerations."""
-        asked = (
-            (acceleration_condition, data.acceleration),
-            (turn_acceleration_condition, data.turn_acceleration),
-        )
-        return [self.torque, *_asked_for(asked)]
+        limits = (acceleration_condition, data.acceleration), (turn_acceleration_condition, data.turn_acceleration)
+        return [self.torque, *_asked_for(limits)]
 
     def homogeneous(self, data: ConditionData) -> list[Condition]:
         """The conditions on ratios of gains: scaling all gains together does not change them."""
@@ -284,16 +281,11 @@ def _asked_for(limits: Sequence[tuple[Condition, Array]]) -> list[Condition]:
     return [condition for condition, limit in limits if np.any(limit != math.inf)]
 
 
+BOUNDED = "the corrected theorem with bounded turn rates"
 _SETS = (
     ConditionSet("paper", "Proposition 1 of the paper", ("(15)", "(16)"), condition_16, (condition_15,)),
     ConditionSet("corrected", "the corrected theorem", ("(16*)",), condition_16_star, ()),
-    ConditionSet(
-        "rate-bounded",
-        "the corrected theorem with bounded turn rates",
-        ("(15')", "(16*)"),
-        condition_16_star,
-        (condition_15_prime,),
-    ),
+    ConditionSet("rate-bounded", BOUNDED, ("(15')", "(16*)"), condition_16_star, (condition_15_prime,)),
 )
 CONDITION_SETS: dict[str, ConditionSet] = {conditions.name: conditions for conditions in _SETS}
 

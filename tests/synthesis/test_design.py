@@ -47,7 +47,7 @@ from gaincert.synthesis.task import Candidate, Options, Task, prepare
 
 TINY = replace(
     FAST,
-    work=6e5,
+    work=3e6,
     training_starts=8,
     heldout_starts=4,
     ranking_starts=6,
@@ -516,6 +516,7 @@ def test_limits_of_wheels_and_accelerations_are_designed_for() -> None:
 GIVEN = {"position": "0.3", "heading": "0.25", "speed": "1.7", "turn_rate": "2.3"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("asked", ["given", None])
 def test_given_scales_are_taken_exactly(asked: str | None) -> None:
     """Also where nothing is asked for, even if they have more digits than the gains."""
@@ -525,6 +526,7 @@ def test_given_scales_are_taken_exactly(asked: str | None) -> None:
         assert column.tolist() == [Fraction(expected[name])] * 2, name
 
 
+@pytest.mark.slow
 def test_unit_scales_are_the_papers_controller() -> None:
     """Whatever the fleet says."""
     made = tiny(line(GIVEN), saturation="unit")
@@ -532,6 +534,7 @@ def test_unit_scales_are_the_papers_controller() -> None:
     assert all(np.all(inequality.holds) for inequality in made.inequalities())
 
 
+@pytest.mark.slow
 def test_designed_scales_are_the_designs_own() -> None:
     """They have the digits asked for, do not depend on those of the fleet, and settle it sooner than unit scales."""
     made, unit = tiny(line(GIVEN), saturation="designed"), tiny(line(), saturation="unit")
@@ -542,6 +545,7 @@ def test_designed_scales_are_the_designs_own() -> None:
     assert np.mean(made.settling) < np.mean(unit.settling)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("unit", ["length", "time", "mass"])
 def test_other_units_change_nothing(unit: str) -> None:
     """The same fleet with a unit half as large: the same times, in the units of time, and as many steps.
@@ -587,6 +591,7 @@ def test_outcomes_do_not_depend_on_how_they_are_shared_out(cores: int, monkeypat
         assert np.array_equal(one, other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("workers", [1, 3])
 def test_the_design_is_the_same_for_any_number_of_workers(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(measurement.os, "cpu_count", lambda: workers)
@@ -602,6 +607,7 @@ def avx512() -> bool:
     return bool(__cpu_features__.get("X86_V4") or __cpu_features__.get("AVX512_SKX"))
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not avx512(), reason="the processor lacks AVX512, or NumPy does not use it")
 def test_a_processor_without_avx512_finds_the_same_design() -> None:
     """NumPy's other code rounds some functions differently; the grids of the search are far coarser."""
