@@ -130,9 +130,7 @@ def test_it_builds_without_a_warning(tmp_path):
 @pytest.mark.slow
 def test_the_tour_of_the_python_interface_runs(tmp_path, capsys):
     """Without the search, which other tests run."""
-    run_path(str(ROOT / "examples" / "api_tour.py"))["tour"](
-        tmp_path, replace(FAST, work=0, ranking_starts=4)
-    )
+    run_path(str(ROOT / "examples" / "api_tour.py"))["tour"](tmp_path, replace(FAST, work=0, ranking_starts=4))
     assert "not certified: vehicle" in capsys.readouterr().out
     assert (tmp_path / "report.html").is_file()
 
