@@ -330,4 +330,4 @@ def test_validate_runs_long_enough_to_see_the_fleet_settle() -> None:
     horizon = default_horizon(fleet, gains, Tolerance())
     assert 3000 < horizon <= 20_000
     assert horizon == float(f"{horizon:.1e}")  # two digits: no processor changes it
-    assert default_horizon(fleet, gains, Tolerance(5.0, 3.0)) == 300
+    assert 300 <= default_horizon(fleet, gains, Tolerance(5.0, 3.0)) < horizon
