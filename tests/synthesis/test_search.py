@@ -111,7 +111,7 @@ def test_an_interrupted_search_writes_the_best_so_far(tmp_path: Path) -> None:
         text=True,
         start_new_session=True,
     ) as running:
-        time.sleep(20)
+        time.sleep(40)
         os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to every process
         out, err = running.communicate(timeout=120)
     assert running.returncode == 0, err
