@@ -22,7 +22,7 @@ from .workflows.inputs import (
     tolerance_of,
 )
 from .workflows.obstacles import say_obstacles
-from .workflows.physics import PhysicsRun, validate_in_physics
+from .workflows.physics import PhysicsRun, refuse_with_mujoco, validate_in_physics
 from .workflows.prove import check_formally, prove_claims, theorem_holds
 from .workflows.run import Pipeline
 from .workflows.simulate import Simulation, simulate_schemes
@@ -156,6 +156,7 @@ def simulate(
     mismatch: cli.Mismatch = None,
     friction: cli.Friction = None,
     lost_link: cli.LostLink = None,
+    com_offset: cli.ComOffset = False,
     seed: cli.NoiseSeed = 0,
     tolerance: cli.ToleranceOption = (0.1, 0.1),
     engine: cli.EngineOption = cli.Engine.auto,
@@ -163,7 +164,9 @@ def simulate(
     """Simulate the fleet from its own start and draw figures."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
-    disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
+    disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(
+        fleet, seed
+    )
     simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbance)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     return Outcome.of(simulated.document, true=not simulated.false_claims)
@@ -191,6 +194,7 @@ def validate(
     mismatch: cli.Mismatch = None,
     friction: cli.Friction = None,
     lost_link: cli.LostLink = None,
+    com_offset: cli.ComOffset = False,
     largest_sample_time: cli.LargestSampleTime = False,
     replay: cli.Replay = None,
     plant: cli.PlantOption = cli.Plant.model,
@@ -201,8 +205,14 @@ def validate(
     count = starts if replay is None else max(starts, replay + 1)
     drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
-    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link).of(fleet, seed)
+    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(fleet, seed)
     if plant is cli.Plant.mujoco:
+        refuse_with_mujoco(
+            ("--replay", replay is not None),
+            ("--largest-sample-time", largest_sample_time),
+            ("--scheduler", scheduler is not None),
+            ("--integrator", integrator is not cli.Method.auto),
+        )
         physics = PhysicsRun(drawn.states, end, settled, real, workers)
         document = validate_in_physics(printer, fleet, chosen, physics, folder)
         return Outcome(document, validation_exit_code(document))

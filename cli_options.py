@@ -248,6 +248,7 @@ Friction = Annotated[
     tuple[float, float] | None,
     typer.Option(metavar="NM NMS", help="Coulomb (N m) and viscous (N m s) friction at every wheel"),
 ]
+ComOffset = Annotated[bool, typer.Option("--com-offset", help="centres of mass where com_offset of the vehicles says")]
 LostLink = Annotated[
     tuple[str, str, float] | None,
     typer.Option(metavar="V1 V2 S", help="the edge between these vehicles fails at this time, s"),

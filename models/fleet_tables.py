@@ -214,3 +214,4 @@ class DisturbanceTable(Table):
     viscous: NotNegative = Fraction(0)  # N m s/rad at every wheel
     lost_link: tuple[str, str] | None = None  # the edge between these vehicles fails
     lost_at: NotNegative = Fraction(0)  # s
+    com_offset: bool = False  # whether the centre of mass is where com_offset of each vehicle says

@@ -105,12 +105,20 @@ class DisturbedResult(Part):
     peak_torque_ratio: float
 
 
+class SettledResult(Part):
+    """How many starts settle."""
+
+    settled: int
+
+
 class ManyStartsResult(ResultFile):
     """validation.json."""
 
     starts: int
     settled: int
     settling_time_s: SpreadResult
+    plant: str = "model"
+    model: SettledResult | None = None  # beside MuJoCo
     horizon_s: float | None = None
     disturbed: list[DisturbedResult] = []
     largest_sample_time_s: float | None = None

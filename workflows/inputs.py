@@ -123,6 +123,7 @@ class DisturbanceOptions:
     mismatch: float | None = None
     friction: tuple[float, float] | None = None  # N m, N m s
     lost_link: tuple[str, str, float] | None = None  # vehicle, vehicle, s
+    com_offset: bool = False
 
     def of(self, fleet: Fleet, seed: int) -> Disturbance | None:
         """The fleet's [disturbance], its entries replaced by these options; None without either. Raises InputError."""
@@ -144,4 +145,6 @@ class DisturbanceOptions:
             given |= {"coulomb": self.friction[0], "viscous": self.friction[1]}
         if self.lost_link:
             given |= {"lost_link": self.lost_link[:2], "lost_at": self.lost_link[2]}
+        if self.com_offset:
+            given["com_offset"] = True
         return given

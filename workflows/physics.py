@@ -40,6 +40,7 @@ def validate_in_physics(
     from ..parallel import in_turn, local
     from ..reports.deployment import Deployment, write_fleet_copy
     from ..reports.export.c_library import build_library
+    from ..reports.figures.physics import write_physics
     from ..reports.versions import versions
     from ..verify.physics.validation import PhysicsTask, PhysicsValidation, run_physics
     from ..verify.physics.world import World
@@ -63,12 +64,21 @@ def validate_in_physics(
                 done.append(result)
                 progress(f"{len(done)} starts in MuJoCo", len(done) / len(run.states))
     results = PhysicsValidation(task, sorted(done, key=lambda result: result.start))
-    origin = digests_of(fleet, gains).to_json()
-    document = {**results.to_json(), **origin, "versions": {**versions(), **_mujoco()}}
+    digests = digests_of(fleet, gains)
+    document = {**results.to_json(), **digests.to_json(), "versions": {**versions(), **_mujoco()}}
     write_json(folder / "validation.json", document)
     write_fleet_copy(fleet, folder)
+    write_physics(used, results, folder / "figures", str(digests))
     printer.say(*results.sentences())
     return document
+
+
+def refuse_with_mujoco(*options: tuple[str, bool]) -> None:
+    """Raise InputError where one of these options (name, whether it is given) is of the model alone."""
+    from ..models.errors import InputError
+
+    if given := [name for name, is_given in options if is_given]:
+        raise InputError(f"{', '.join(given)}: not with --plant mujoco; leave it out, or use --plant model")
 
 
 def _mujoco() -> dict[str, str]:

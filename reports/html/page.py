@@ -45,6 +45,7 @@ CAPTIONS = {
     "figures/torques": "The larger wheel torque of each vehicle over its limit (figure 7).",
     "figures/energies": "The energies V of (17) and W of (19); under the bounded scheme V never rises.",
     "figures/settling": "Settling times over many starts.",
+    "figures/physics": "In MuJoCo, with the exported C controller: one start beside the model, and all settling times.",
     "figures/designs": "Settling times of the designs, a dot for every start.",
     "figures/witness_energy": "Witness: W rises under the paper's gains, which meet (15).",
     "figures/witness_bang_bang": "Witness: under a bounded push the turn rate grows without bound, though (15) holds.",

@@ -93,7 +93,10 @@ def many_starts_verdict(result: ManyStartsResult | None) -> list[Verdict]:
         return []
     count = result.starts
     horizon = f" within {result.horizon_s:g} s" if result.horizon_s else ""
-    text = f"nominal: {result.settled} of {count} settle{horizon} ({_spread_text(result.settling_time_s)})"
+    plant = "nominal" if result.plant == "model" else f"in {result.plant}, driven by the exported C controller"
+    text = f"{plant}: {result.settled} of {count} settle{horizon} ({_spread_text(result.settling_time_s)})"
+    if result.model is not None:
+        text += f"; in the model {result.model.settled}"
     facts = [
         f"{in_words(runs.disturbance)}: {runs.settled} of {count} settle ({_spread_text(runs.settling_time_s)}), "
         f"largest torque {100 * runs.peak_torque_ratio:.1f} % of its limit"

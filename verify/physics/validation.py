@@ -16,7 +16,7 @@ from ...models.fleet import Fleet
 from ...models.tolerance import Tolerance
 from ..simulation.closed_loop import ClosedLoop, Floats
 from ..simulation.disturbance import Disturbance
-from ..simulation.sampled_loop import Sample, SampledLoop
+from ..simulation.sampled_loop import STORED, Sample, SampledLoop
 from ..validation.spread import Spread
 from .controller import CController
 from .scene import FRICTION
@@ -36,6 +36,15 @@ class PhysicsTask:
     tolerance: Tolerance
 
 
+@dataclass(frozen=True, eq=False)
+class Track:
+    """Where the vehicles of one start were, in MuJoCo and in the model."""
+
+    t: Floats  # (K,), s
+    real: Floats  # (K, 2, N), m, x and y in MuJoCo
+    model: Floats  # (K, 2, N), m
+
+
 @dataclass(frozen=True)
 class PhysicsResult:
     """One start in MuJoCo, and in the model."""
@@ -50,6 +59,7 @@ class PhysicsResult:
     slip_share: float  # of the distance that wheels roll
     largest_difference: float  # m, between the positions of a vehicle in MuJoCo and in the model
     final_difference: float  # m
+    track: Track | None = None  # of the first start, for a figure
 
     def to_json(self) -> dict[str, Any]:
         """An entry of "each" in validation.json."""
@@ -73,7 +83,7 @@ def run_physics(task: PhysicsTask, number: int, start: State) -> PhysicsResult:
     (model_time,) = _times(sampled.outcomes([start]).settling_time)
     world = World(task.fleet, task.disturbance)
     controller = CController(task.library, len(task.fleet))
-    watch = _Watch(task.torque_bounds)
+    watch = _Watch(task.torque_bounds, every=max(1, round(STORED / task.disturbance.sample_time)))
     pairs = zip(
         world.samples(start, controller.torques, task.horizon),
         sampled.samples(State(*(column[None] for column in start))),
@@ -96,25 +106,35 @@ def run_physics(task: PhysicsTask, number: int, start: State) -> PhysicsResult:
         slip_share=world.slip.share,
         largest_difference=watch.largest,
         final_difference=watch.last,
+        track=watch.track() if number == 0 else None,
     )
 
 
 class _Watch:
     """What is to be known of two runs besides their outcomes."""
 
-    def __init__(self, bounds: Floats) -> None:
-        self._bounds = bounds
+    def __init__(self, bounds: Floats, every: int) -> None:
+        self._bounds, self._every = bounds, every
+        self._points: list[tuple[float, Floats, Floats]] = []
         self.bound_ratio = self.largest = self.last = 0.0
 
     def seen(self, pairs: Iterator[tuple[Sample, Sample]]) -> Iterator[Sample]:
         """The first of each pair, when it has been looked at."""
-        for real, model in pairs:
+        for number, (real, model) in enumerate(pairs):
+            if number % self._every == 0:
+                places = (np.concatenate([sample.before.x, sample.before.y]) for sample in (real, model))
+                self._points.append((real.t, *places))
             torque = np.maximum(np.abs(real.tau_left), np.abs(real.tau_right))
             self.bound_ratio = max(self.bound_ratio, float((torque / self._bounds).max()))
             apart = np.hypot(real.after.x - model.after.x, real.after.y - model.after.y)
             self.last = float(apart.max())
             self.largest = max(self.largest, self.last)
             yield real
+
+    def track(self) -> Track:
+        """The points that were kept."""
+        t, real, model = zip(*self._points, strict=True)
+        return Track(np.array(t), np.stack(real), np.stack(model))
 
 
 def _times(settling: Floats) -> list[float | None]:

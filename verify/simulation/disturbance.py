@@ -11,6 +11,7 @@ from ...models.fleet import Fleet
 from ...models.fleet_tables import DisturbanceTable
 
 RANGES = {"sample_time": (1e-4, 10.0), "delay": (0.0, 100.0), "mismatch": (0.0, 0.9)}
+_NO_NUMBERS = ("lost_link", "com_offset")
 LARGEST = 1e6  # upper limit of the entries that are not in RANGES
 
 
@@ -28,6 +29,7 @@ class Disturbance:
     viscous: float = 0.0  # N m s/rad at every wheel
     lost_link: tuple[str, str] | None = None  # vehicles; the edge between them fails
     lost_at: float = 0.0  # s
+    com_offset: bool = False  # whether the centre of mass is where com_offset of each vehicle says
     seed: int = 0
 
     def to_json(self) -> dict[str, Any]:
@@ -47,6 +49,8 @@ class Disturbance:
             said.append(f"parameters off by up to {100 * self.mismatch:g} %")
         if wheel := _quantities(friction):
             said.append(f"friction of {wheel} at every wheel")
+        if self.com_offset:
+            said.append("centres of mass off the axle")
         if self.lost_link:
             said.append(f"the link {' - '.join(self.lost_link)} lost at {self.lost_at:g} s")
         return ", ".join(said)
@@ -61,8 +65,8 @@ def of_table(table: DisturbanceTable | None, seed: int = 0) -> Disturbance:
     if table is None:
         return Disturbance(seed=seed)
     given = {name: value for name, value in table if value is not None}
-    numbers = {name: float(value) for name, value in given.items() if name != "lost_link"}
-    return Disturbance(**numbers, lost_link=table.lost_link, seed=seed)
+    numbers = {name: float(value) for name, value in given.items() if name not in _NO_NUMBERS}
+    return Disturbance(**numbers, lost_link=table.lost_link, com_offset=table.com_offset, seed=seed)
 
 
 def checked(disturbance: Disturbance, fleet: Fleet) -> Disturbance:
@@ -102,6 +106,7 @@ def parts(disturbance: Disturbance) -> list[Disturbance]:
         ("mismatch",),
         ("coulomb", "viscous"),
         ("lost_link", "lost_at"),
+        ("com_offset",),
     )
     kept = [replace(alone, **{name: getattr(disturbance, name) for name in names}) for names in groups]
     single = [part for part in kept if part != alone]

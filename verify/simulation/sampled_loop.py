@@ -19,6 +19,7 @@ from ...models.equations import Plant, State, control, motion
 from ...models.errors import UndecidedError
 from ...models.fleet import Fleet
 from ...models.graph import Graph
+from ...models.off_axle import OffAxle
 from ...models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, Floats
 from .disturbance import Disturbance
@@ -77,6 +78,7 @@ class SampledLoop:
         loop, disturbance = self.loop, self.disturbance
         random = np.random.default_rng(disturbance.seed)
         true = _true_plant(loop.plant, disturbance, random)
+        off_axle = OffAxle.of(self.fleet) if disturbance.com_offset else None
         zero = np.zeros_like(state.x)
         waiting = deque([(zero, zero)] * round(disturbance.delay / disturbance.sample_time))
         for number in range(math.ceil(self.horizon / disturbance.sample_time)):
@@ -86,7 +88,7 @@ class SampledLoop:
             measured = measured_state(state, disturbance, random)
             torques = control(loop.ops, plant, loop.gains, loop.psi(t), measured)
             waiting.append(torques)
-            before, state = state, _step(true, state, *waiting.popleft(), disturbance)
+            before, state = state, _step(true, off_axle, state, *waiting.popleft(), disturbance)
             yield Sample(t, before, state, *torques)
         if not all(np.isfinite(column).all() for column in state):
             raise UndecidedError(
@@ -221,14 +223,26 @@ def _with_link_lost(fleet: Fleet, plant: Plant, disturbance: Disturbance) -> Pla
     return replace(plant, graph=Graph(graph.tail, graph.head, weight, graph.leader_weight))
 
 
-def _step(plant: Plant, state: State, tau_left: Floats, tau_right: Floats, disturbance: Disturbance) -> State:
+def _step(
+    plant: Plant,
+    off_axle: OffAxle | None,
+    state: State,
+    tau_left: Floats,
+    tau_right: Floats,
+    disturbance: Disturbance,
+) -> State:
     """One sample time under held torques, by the classical Runge-Kutta method."""
     steps = math.ceil(disturbance.sample_time / SUBSTEP)
     h = disturbance.sample_time / steps
 
     def rate(now: State) -> State:
         friction = _friction(plant, now, disturbance)
-        return motion(numpy_ops(), plant, now, tau_left - friction[0], tau_right - friction[1])
+        torques = tau_left - friction[0], tau_right - friction[1]
+        rates = motion(numpy_ops(), plant, now, *torques)
+        if off_axle is None:
+            return rates
+        v_rate, omega_rate = off_axle.accelerations(plant, now, *torques)
+        return rates._replace(v=v_rate, omega=omega_rate)
 
     for _ in range(steps):
         k1 = rate(state)
