@@ -89,5 +89,9 @@ def test_a_design_is_validated_from_starts_that_it_has_not_seen() -> None:
     firsts = [random_starts(fleet, 3, 0, 30.0, draw)[k].x.tolist() for draw in Draw for k in range(3)]
     assert len({tuple(first) for first in firsts}) == 3 * len(Draw)
     task = prepare(fleet, Options("corrected", "designed", box=60.0))
-    seen = [start.x.tolist() for draw in Draw if draw is not Draw.VALIDATION for start in task.starts(draw, 3)]
-    assert not any(start.x.tolist() in seen for start in random_starts(fleet, 3, 0, 30.0))
+    # The search's starts are singles, relative to the goal.
+    seen = {draw: {tuple(x) for x in task.far_starts(draw, 4)[0].T.tolist()} for draw in Draw}
+    goal = task.plant.offset_x + task.plant.leader_x
+    fresh = {tuple((start.x - goal).astype(np.float32).tolist()) for start in random_starts(fleet, 3, 0, 30.0)}
+    assert fresh <= seen.pop(Draw.VALIDATION)
+    assert not any(fresh & starts for starts in seen.values())
