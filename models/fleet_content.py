@@ -24,10 +24,13 @@ def fixed_point(values: Iterable[Fraction | int]) -> str:
     """A column: the numbers in order, all with the same places. Raises ValueError for a number that is no decimal."""
     numbers = list(values)
     places = max(map(_places, {number.denominator for number in numbers}), default=0)
-    if places == 0:
-        return " ".join([str(number.numerator) for number in numbers])
     unit = 10**places
-    return " ".join([_text(number.numerator * (unit // number.denominator), places) for number in numbers])
+    return scaled_text([number.numerator * (unit // number.denominator) for number in numbers], places)
+
+
+def scaled_text(scaled: Iterable[int], places: int) -> str:
+    """The column of the numbers scaled / 10^places."""
+    return " ".join(map(str, scaled)) if places == 0 else " ".join([_text(number, places) for number in scaled])
 
 
 def _places(denominator: int) -> int:

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from fractions import Fraction
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Annotated, Any, Literal
 
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
 from .excitation import Excitation
@@ -65,6 +65,12 @@ class TorqueLimit(Table):
     right: Uncertain
 
 
+@lru_cache(maxsize=2**10)
+def _shared(limit: TorqueLimit) -> TorqueLimit:
+    """The same object for equal limits: a large fleet has a few kinds of robots."""
+    return limit
+
+
 class MotionLimits(Table):
     """The limits that a certificate has to prove."""
 
@@ -83,7 +89,7 @@ class Vehicle(Table):
     inertia: Uncertain  # kg m^2, about the centre
     half_track: Uncertain  # R, m
     wheel_radius: Uncertain  # r, m
-    torque_limit: Annotated[TorqueLimit, BeforeValidator(_both_wheels)]
+    torque_limit: Annotated[TorqueLimit, BeforeValidator(_both_wheels), AfterValidator(_shared)]
     offset: Point  # delta, m
     start: Start | None = None
     limits: MotionLimits = MotionLimits()

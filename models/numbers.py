@@ -22,6 +22,16 @@ def exact(value: Any) -> Fraction:
     """
     if isinstance(value, Fraction):
         return value
+    return _of_text(value) if isinstance(value, str) else _checked(value)
+
+
+@lru_cache(maxsize=2**14)
+def _of_text(text: str) -> Fraction:
+    """Large fleets repeat a few numbers: they share them."""
+    return _checked(text)
+
+
+def _checked(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, str)):
         raise ValueError("is not a number")
     if isinstance(value, int) and abs(value) >= 10 ** (MAX_EXPONENT + 1):

@@ -120,3 +120,29 @@ def test_a_parameter_is_a_column_or_two() -> None:
     for unreadable in (["1"], ["1", "2", "3"], [], None, True, {"low": "1"}, ["1", 2]):
         with pytest.raises(kernel.UnreadableError):
             reader.ends(unreadable, "x", 1)
+
+
+def test_places_are_those_of_the_first_number() -> None:
+    assert kernel.places_of({"a": {}, "b": [], "c": None, "d": 5}) == 0
+    assert kernel.places_of({"a": "1.25 1.5", "b": ["1.125", "2"]}) == 3
+    assert kernel.places_of("1." + "1" * 99 + " 1") == 99
+
+
+def test_what_is_out_of_range_is_said_with_its_ends() -> None:
+    with pytest.raises(kernel.FalseError, match=r"^x: all must be > 0 \(A2\), not -1\.5 to 2$"):
+        read("0.5 -1.5 2.0")
+    with pytest.raises(kernel.FalseError, match=r"^x: all must be from 0 to 2, not 1 to 7$"):
+        kernel.Reader(4, 3).column("1 7 2", "x", None, 0, 3)
+
+
+def test_a_column_of_no_numbers_is_empty() -> None:
+    for text in ("1", "1 1{-1}", " "):
+        with pytest.raises(kernel.UnreadableError, match="x: expected a string of 0 decimals"):
+            read(text, 0)
+
+
+def test_one_vehicle_is_not_too_many(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel, "MAX_SIZE", 1)
+    assert kernel.Reader(0, 1).unit == 1
+    with pytest.raises(kernel.UnreadableError):
+        kernel.Reader(0, 2)

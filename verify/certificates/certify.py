@@ -19,10 +19,10 @@ from ...models.numbers import decimal_places, decimal_text
 from .. import kernel
 from .arcs import arcs
 from .certificate import Certificate, as_text, verify
-from .margins import LIMITS, CheckedConditions, check_conditions
+from .margins import LIMITS, check_conditions
 from .rates import NO_RATES, certified_rates
 from .remarks import notes_of
-from .repair import violations
+from .repair import Violation, violations
 from .tree import designed_weights, tree
 from .wheel_speed import rim_speeds
 
@@ -45,12 +45,24 @@ def certify(
     Gains are exact decimals (`Fraction`s). Where a condition is broken the result is not valid and says how to repair
     it. Raises InputError for gains that are not decimals > 0, one per vehicle, and for links that the fleet lacks.
     """
+    content, broken = _content(fleet, excitation, gains, conditions, links)
+    content["provenance"]["seed"] = seed
+    verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else _self_check(content)
+    if verdict.rule == "rates":  # rates are welcome, not needed: the rounding of a float must not cost the rest
+        content["rates"] = NO_RATES
+        verdict = _self_check(content)
+    return Certificate(content, verdict, tuple(broken), tuple(content["provenance"]["notes"]))
+
+
+def _content(
+    fleet: Fleet, excitation: Excitation, gains: Gains, conditions: str, links: Links | None
+) -> tuple[dict[str, Any], list[Violation]]:
+    """The document, and the conditions that are broken."""
     chosen, used = condition_set(conditions), fleet.with_links(links)
     gains_table = _gains_table(fleet, gains)
     data = used.condition_data(excitation)
     checked = check_conditions(chosen, data, gains)
     broken = violations(fleet.names, chosen, checked)
-    notes = notes_of(used, data, gains, conditions)
     own = fleet.content
     psi = excitation_content(excitation)
     designed = {
@@ -67,21 +79,17 @@ def certify(
         "psi_bar": psi_bar,
         "arcs": arcs(psi, psi_bar),
         "tree": tree(fleet.graph, used.graph),
-        "margins": _margins(checked),
+        "margins": {LIMITS.get(source, source): stated.text for source, stated in checked.margins.items()},
         "rim_speed": "" if broken else rim_speeds(data, gains, checked),
         "rates": NO_RATES if broken else certified_rates(used, gains),
         "provenance": {
-            "seed": seed,
+            "seed": None,
             "gains_digest": gains_digest(used, excitation, gains),
             "versions": _versions(),
-            "notes": notes,
+            "notes": notes_of(used, data, gains, conditions),
         },
     }
-    verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else _self_check(content)
-    if verdict.rule == "rates":  # rates are welcome, not needed: the rounding of a float must not cost the rest
-        content["rates"] = NO_RATES
-        verdict = _self_check(content)
-    return Certificate(content, verdict, tuple(broken), tuple(notes))
+    return content, broken
 
 
 def _self_check(content: dict[str, Any]) -> kernel.Verdict:
@@ -121,14 +129,6 @@ def _column(fleet: Fleet, name: str, values: Sequence[Any], count: int) -> str:
             "after the point; round it or use other units"
         )
     return fixed_point(values)
-
-
-def _margins(checked: CheckedConditions) -> dict[str, str]:
-    """The margins as columns, for the conditions of the set and the limits that are asked for."""
-    return {
-        LIMITS.get(source, source): fixed_point(margin for margin in margins if margin is not None)
-        for source, margins in checked.margins.items()
-    }
 
 
 def _versions() -> dict[str, str]:

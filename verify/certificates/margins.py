@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from typing import Any
@@ -10,10 +12,12 @@ import numpy as np
 
 from ...models.arrays import Array, floats
 from ...models.conditions import ConditionData, ConditionSet, Inequality, exact_numbers, float_numbers
+from ...models.fleet_content import scaled_text
 from ...models.gains import Gains
+from ...models.numbers import decimal_places
 from .rounding import rounded
 
-DIGITS = 6  # of a margin
+DIGITS = 6  # of a margin, the least of a condition where floats decided
 EXACT_UP_TO = 20_000  # vehicles; in larger fleets floats decide where they leave no doubt
 ROOM = 1e-6  # relative to the large side: a float margin beyond this is right to 1e-8 of itself
 CAUTION = 1 - 1e-7  # factor on a float margin
@@ -27,10 +31,27 @@ LIMITS = {  # source of a condition: the limit that vehicles ask for
 
 
 @dataclass(frozen=True, eq=False)
+class Stated:
+    """The margins of one condition for the vehicles that it is about, as integers at one power of ten."""
+
+    scaled: dict[int, int]  # by vehicle
+    places: int
+
+    @property
+    def text(self) -> str:
+        """The column of a certificate."""
+        return scaled_text([self.scaled[i] for i in sorted(self.scaled)], self.places)
+
+    def of(self, vehicle: int) -> Fraction:
+        """The margin of one vehicle."""
+        return Fraction(self.scaled[vehicle], 10**self.places)
+
+
+@dataclass(frozen=True, eq=False)
 class CheckedConditions:
     """The conditions of a set for all vehicles: stated margins, and exact sides where floats would not do."""
 
-    margins: dict[str, list[Fraction | None]]  # by source, rounded down; None where no limit is asked for
+    margins: dict[str, Stated]  # by source, rounded down
     close: Array  # vehicles that were decided exactly
     exact: list[Inequality]  # of these vehicles
     data: ConditionData  # of these vehicles
@@ -48,15 +69,39 @@ def check_conditions(chosen: ConditionSet, data: ConditionData, gains: Gains) ->
         close = np.flatnonzero(np.any(doubtful, axis=0))
     few, own = subset(data, close), subset(gains, close)
     exact = chosen.inequalities(exact_numbers(), few, own) if len(close) else []
-    margins: dict[str, list[Fraction | None]] = {sides.source: [None] * count for sides in (*clear, *exact)}
+    by_source = {sides.source: (Stated({}, 0), Stated({}, 0)) for sides in (*clear, *exact)}
     for sides in clear:
-        for i in np.flatnonzero(concerned(sides, data)):
-            margins[sides.source][i] = rounded(Fraction(float(sides.margin[i]) * CAUTION), DIGITS)
+        vehicles = np.setdiff1d(np.flatnonzero(concerned(sides, data)), close)
+        by_source[sides.source] = floored(vehicles, sides.margin[vehicles]), by_source[sides.source][1]
     for sides in exact:
-        for i, margin, asks in zip(close, sides.margin, concerned(sides, few), strict=True):
-            if asks:
-                margins[sides.source][i] = max(rounded(Fraction(margin), DIGITS), Fraction(0))
+        asks = concerned(sides, few)
+        rounded_down = stated(close[asks].tolist(), sides.margin[asks])
+        by_source[sides.source] = by_source[sides.source][0], rounded_down
+    margins = {source: joined(*parts) for source, parts in by_source.items()}
     return CheckedConditions(margins, close, exact, few, own)
+
+
+def floored(vehicles: Array, margins: Array) -> Stated:
+    """Float margins > 0 rounded down to the places at which the least of them has its digits."""
+    if not len(vehicles):
+        return Stated({}, 0)
+    places = max(DIGITS - 1 - math.floor(math.log10(margins.min())), 0)
+    scaled = np.floor(margins * CAUTION * 10.0**places)
+    return Stated(dict(zip(vehicles.tolist(), map(int, scaled.tolist()), strict=True)), places)
+
+
+def stated(vehicles: Sequence[int], margins: Array) -> Stated:
+    """Exact margins rounded down to digits of their own; 0 for a broken condition."""
+    found = [max(rounded(Fraction(margin), DIGITS), Fraction(0)) for margin in margins]
+    places = max((decimal_places(margin.denominator) or 0 for margin in found), default=0)
+    return Stated({i: int(margin * 10**places) for i, margin in zip(vehicles, found, strict=True)}, places)
+
+
+def joined(one: Stated, other: Stated) -> Stated:
+    """The margins of both, at the larger number of places."""
+    places = max(one.places, other.places)
+    parts = ((part.scaled, 10 ** (places - part.places)) for part in (one, other))
+    return Stated({i: value * factor for scaled, factor in parts for i, value in scaled.items()}, places)
 
 
 def concerned(sides: Inequality, data: ConditionData) -> Array:

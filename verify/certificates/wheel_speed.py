@@ -26,7 +26,7 @@ def rim_speeds(data: ConditionData, gains: Gains, checked: CheckedConditions) ->
     assert numbers.atanh is not None  # noqa: S101
     least = own.saturation.speed * numbers.atanh(pulling_bound(numbers, few, own) / own.d_v)
     room = wheel_speed_condition(numbers, few, own).margin
-    stated = [checked.margins["wheel speed limit"][i] or Fraction(0) for i in limited]
+    stated = map(checked.margins["wheel speed limit"].of, limited.tolist())
     return fixed_point(between(V, V + space - margin) for V, space, margin in zip(least, room, stated, strict=True))
 
 
