@@ -1,6 +1,8 @@
 """The fleet in MuJoCo: it accelerates as (2) says with effective values, rubs, waits and slips as it is told."""
 
+import json
 import sys
+from dataclasses import replace
 from itertools import pairwise
 from xml.etree import ElementTree
 
@@ -11,16 +13,20 @@ from gaincert.models.arrays import floats
 from gaincert.models.equations import State, accelerations, control
 from gaincert.models.errors import InputError
 from gaincert.models.files.fleet_file import parse
+from gaincert.models.files.fleet_text import dumps
 from gaincert.models.files.gains_file import load_gains
+from gaincert.models.starts import random_starts
 from gaincert.models.tolerance import Tolerance
 from gaincert.reports.deployment import Deployment
 from gaincert.reports.export.c_library import build_library
 from gaincert.verify.physics.controller import CController
 from gaincert.verify.physics.scene import Bodies, scene_xml
-from gaincert.verify.physics.validation import PhysicsTask
+from gaincert.verify.physics.validation import PhysicsTask, PhysicsValidation, run_physics
 from gaincert.verify.physics.world import World
 from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.disturbance import Disturbance
+
+from tests.cli.command_line import gaincert
 
 pytestmark = pytest.mark.needs("mujoco")
 
@@ -233,20 +239,20 @@ def test_the_package_is_named_where_it_is_missing(monkeypatch):
 # -- with the controller ----------------------------------------------------------------------------------------------
 
 GAINS = """
-p_v = [0.9, 2.4, 1.9]
-d_v = [4.6, 11.9, 9.4]
-p_omega = [0.09, 0.28, 0.2]
-d_omega = [0.33, 1.0, 0.73]
-k_alpha = [0.4, 1.2, 0.9]
+p_v = [0.74, 0.32, 1.51]
+d_v = [6.731, 17.22, 13.74]
+p_omega = [0.0041, 0.00213, 0.00925]
+d_omega = [0.331, 1.03, 0.7473]
+k_alpha = [0.0184, 0.0096, 0.0416]
 [saturation]
-position = 0.15
-heading = 0.02
-speed = [1, 1, 1]
-turn_rate = [10, 10, 10]
+position = 0.1763
+heading = 0.005319
+speed = [1.073, 2.888, 1.262]
+turn_rate = [14.42, 24.88, 15.06]
 [excitation]
 family = "harmonics"
-frequency = 0.4
-sin = [1, 0, 0.2]
+frequency = 0.06336
+sin = [1.0, 0.00813, 0.215]
 """
 
 
@@ -276,3 +282,61 @@ def task_of(trio, disturbance, horizon):
     loop = ClosedLoop.of(fleet, gains.gains, gains.excitation)
     bounds = floats(deployed.torque_bounds)
     return PhysicsTask(fleet, loop, bounds, library, disturbance, horizon, Tolerance(0.1, 0.1))
+
+
+@pytest.mark.needs("gcc")
+def test_a_start_in_mujoco_stays_beside_the_model(trio):
+    """20 s with hold and delay: positions within centimetres, torques within T of (16*), wheels roll."""
+    task = task_of(trio, Disturbance(0.02, delay=0.04), 20.0)
+    (start,) = random_starts(trio[0], 1, seed=3, half_width=2.0)
+    result = run_physics(task, 0, start)
+    assert result.largest_difference < 0.1
+    assert result.bound_ratio < 1 and result.torque_ratio < 1
+    assert result.slip_share < 0.01
+    assert result.settling_time is None and result.failure.startswith("not settled within 20 s")
+    assert result.track.real.shape == result.track.model.shape == (200, 2, 3)
+    assert np.hypot(*(result.track.real - result.track.model).transpose(1, 0, 2)).max() <= result.largest_difference
+    assert json.loads(json.dumps(result.to_json()))["start"] == 0
+
+
+@pytest.mark.needs("gcc")
+def test_a_fleet_that_stands_in_formation_has_settled(trio):
+    fleet = trio[0]
+    plant = fleet.plant()
+    start = State(plant.offset_x, plant.offset_y, *np.zeros((3, 3)))
+    validation = PhysicsValidation(task_of(trio, Disturbance(0.02), 5.0), [])
+    result = run_physics(validation.task, 1, start)
+    assert result.settling_time == result.model_settling_time == 0
+    assert result.track is None
+    document = replace(validation, results=[result]).to_json()
+    assert (document["plant"], document["starts"], document["settled"]) == ("mujoco", 1, 1)
+    assert document["model"]["settled"] == 1 and document["failures"] == []
+
+
+@pytest.mark.needs("gcc")
+def test_the_command_line_validates_in_mujoco(trio, tmp_path):
+    (tmp_path / "fleet.toml").write_text(dumps(trio[0]))
+    (tmp_path / "gains.toml").write_text(GAINS)
+    command = ["validate", tmp_path / "fleet.toml", "--gains", tmp_path / "gains.toml", "-o", tmp_path / "out"]
+    command += ["--starts", "2", "--horizon", "2", "--workers", "1", "--friction", "0.002", "0", "--plant", "mujoco"]
+    done = gaincert(*command)
+    assert done.returncode == 0, done.stderr
+    assert "with torques held for 10 ms, friction of 0.002 N m at every wheel: 0 of 2 starts settle" in done.stdout
+    document = json.loads((tmp_path / "out" / "validation.json").read_text())
+    assert [failure["start"] for failure in document["failures"]] == [0, 1]
+    assert document["peak_torque_over_bound"] < 1
+    assert document["slip"]["friction"] == 1
+    assert (tmp_path / "out" / "figures" / "physics.svg").is_file()
+    refused = gaincert(*command, "--replay", "0", "--largest-sample-time")
+    assert refused.returncode == 2
+    assert "--replay, --largest-sample-time: not with --plant mujoco; leave it out" in refused.stderr
+    reported = gaincert("report", tmp_path / "out")
+    assert reported.returncode == 0, reported.stderr
+    text = (tmp_path / "out" / "report.html").read_text()
+    assert "in mujoco, driven by the exported C controller: 0 of 2 settle within 2 s" in text
+
+
+def test_a_missing_compiler_is_named(trio, tmp_path, monkeypatch):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(InputError, match="no C compiler was found"):
+        build_library(trio[2], tmp_path)
