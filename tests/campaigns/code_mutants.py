@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import ast
 import copy
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import chain
 from typing import Any
 
 COMPARISONS: dict[type[ast.cmpop], tuple[type[ast.cmpop], ...]] = {
@@ -62,21 +63,24 @@ class Mutant:
         _put(self.parent, self.field, self.place, self.new)
 
 
-def mutants(tree: ast.Module) -> list[Mutant]:
-    """Every mutant of a module, in the order of its lines."""
-    return sorted(_below(tree, "", inside=False), key=lambda mutant: mutant.line)
+More = Callable[[ast.AST], Iterator[ast.AST]]  # what else may stand in place of a node
 
 
-def _below(parent: ast.AST, function: str, *, inside: bool) -> Iterator[Mutant]:
+def mutants(tree: ast.Module, more: More = lambda _node: iter(())) -> list[Mutant]:
+    """Every mutant of a module, in the order of its lines; `more` adds kinds of change."""
+    return sorted(_below(tree, "", more, inside=False), key=lambda mutant: mutant.line)
+
+
+def _below(parent: ast.AST, function: str, more: More, *, inside: bool) -> Iterator[Mutant]:
     for field, place, node in _children(parent):
         own, within = function, inside or (isinstance(parent, ast.FunctionDef) and field == "body")
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)) and not inside:
             own = f"{function}.{node.name}" if function else node.name
-        for new in _others(node, condition=field in ("test", "ifs")):
+        for new in chain(_others(node, condition=field in ("test", "ifs")), more(node)):
             ast.fix_missing_locations(ast.copy_location(new, node))
             change = _change(parent, field, place, node, new)
             yield Mutant(parent, field, place, new, own, within, getattr(node, "lineno", 0), change)
-        yield from _below(node, own, inside=within)
+        yield from _below(node, own, more, inside=within)
 
 
 def _children(parent: ast.AST) -> Iterator[tuple[str, int | None, ast.AST]]:

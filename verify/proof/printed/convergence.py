@@ -204,11 +204,13 @@ def _barbalat() -> Fact:
     """W' -> 0 for alpha = 0: W' = -sum (d/p) omega tanh omega has a bounded derivative where omega is bounded."""
     most, slope = parameter("omega_max"), symbol("S")
     rate = -VI.d_w / VI.p_w * VI.w * sp.tanh(VI.w)
-    chain = identity(sp.diff(rate, VI.w) * VI.w_dot, -VI.d_w / VI.p_w * (sp.tanh(VI.w) + VI.w * sech2(VI.w)) * VI.w_dot)
-    turning = l1().about(sp.Abs(VI.w_dot))
+    second = sp.expand(sp.diff(rate, VI.w) * VI.w_dot)
+    turning, steep = l1().about(sp.Abs(VI.w_dot)), sized(*sech2_within(VI.w))
     limits = (turning, tanh_below_1(VI.w), assumed(Relation(sp.Abs(VI.w), "<=", most)))
-    second = -VI.d_w / VI.p_w * (sp.tanh(VI.w) + VI.w * slope) * VI.w_dot
-    bound = majorized(second, limits, VI.d_w / VI.p_w * (1 + most) * turning.right, {slope: sized(*sech2_within(VI.w))})
+    damping = VI.d_w / VI.p_w
+    shown = -damping * (sp.tanh(VI.w) + VI.w * slope) * VI.w_dot
+    chain = identity(second, shown.subs(slope, steep.left.args[0]))
+    bound = majorized(shown, limits, damping * (1 + most) * turning.right, {slope: steep})
     return cited(BARBALAT, (chain, bound))
 
 

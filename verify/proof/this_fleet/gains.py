@@ -118,10 +118,10 @@ def lemma_constants(fleet: Fleet, gains: Gains, psi: Excitation) -> Claim:
         "xi": constants.along_bound(setting, period),
         "C0": np.sum(constants.energy_offset(setting)),
     }
-    rows = {name: float(np.max(value)) for name, value in found.items()}
+    rows = {name: np.max(value) for name, value in found.items()}
     if len(fleet) <= EXACT_VEHICLES:
         rows |= _dichotomy(fleet, setting, period, rows)
-    facts = (compared(Relation(symbol(name), ">", 0), arb(value), 0) for name, value in rows.items())
+    facts = (compared(Relation(symbol(name), ">", 0), arb(float(value)), 0) for name, value in rows.items())
     return Claim("constants", Kind.FLEET, tuple(facts))
 
 
@@ -132,7 +132,7 @@ def _setting(fleet: Fleet, gains: Gains, psi: Excitation) -> constants.Setting:
 
 def _dichotomy(fleet: Fleet, c: constants.Setting, period: float, rows: dict[str, float]) -> dict[str, float]:
     """eta with sqrt2 times the largest error at kappa_cut/(2N), and gamma(eta), by which Y_e falls otherwise: L13."""
-    level = float(least_cut(fleet.graph)[0]) / (2 * len(fleet))
+    level = float(least_cut(fleet.graph)[0] / (2 * len(fleet)))
     eta = level / (np.sqrt(2) * max(1.0, rows["beta"], rows["epsilon"], rows["xi"]))
     scale = c.gains.saturation
     falls = [
@@ -141,7 +141,7 @@ def _dichotomy(fleet: Fleet, c: constants.Setting, period: float, rows: dict[str
         / c.gains.p_omega
         * _spike(c, eta, constants.turn_acceleration_bound(c), period, scale.turn_rate),
     ]
-    return {"eta": float(eta), "gamma": float(min(np.min(fall) for fall in falls))}
+    return {"eta": eta, "gamma": min(np.min(fall) for fall in falls)}
 
 
 def _spike(c: constants.Setting, eta: float, rate: Array, period: float, scale: Array) -> Array:

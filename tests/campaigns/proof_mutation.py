@@ -1,0 +1,237 @@
+"""The proof check mutated: `python -m tests.campaigns.proof_mutation [--sample N]`, from the repository's root.
+
+A mutant is the proof check with one small change in `verify/proof` or in a function of `models` that it uses: a number,
+a sign, an operator, a name, a text, or an entry that is left out. It is killed where `prove` ends with another exit
+code, raises, or reports another verdict, number, witness, hypothesis or support of any claim. It survives where all of
+these are the same: then only the wording of a formula or nothing at all has changed. `ARGUED` says why a survivor may.
+
+Every mutant has a process of its own, which imports anew the changed module and all that import it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import ast
+import json
+import os
+import random
+import signal
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from tests.campaigns.mutants import Mutant, mutants
+from tests.campaigns.mutation import KILLED, SURVIVED, TIMED_OUT, import_instead
+from tests.test_layers import IMPORTS, module_of
+
+ROOT = Path(__file__).resolve().parents[2]
+SECONDS = 120  # that a mutant may take
+PROOF = sorted(path for path in (ROOT / "verify/proof").rglob("*.py") if path.name != "trajectories.py")
+# The functions of models that the proof check evaluates, by file; all of a file where none are named.
+MODELS = {
+    "models/equations.py": (),
+    "models/energy.py": (),
+    "models/saturation.py": ("Saturation.columns",),
+    "models/graph.py": ("Graph.degree", "Graph.leader_tree", "Graph.ldl_pivots"),
+    "models/conditions.py": (
+        "excitation_bound", "turning_bound", "pulling_bound", "condition_15", "condition_15_prime", "condition_16",
+        "torque_room", "torque_bound", "condition_16_star", "speed_condition", "turn_rate_condition",
+        "wheel_speed_condition", "acceleration_condition", "turn_acceleration_condition", "Inequality.margin",
+        "Inequality.holds", "_squares",
+    ),
+}  # fmt: skip
+# Names that may be taken for each other.
+FAMILIES = (
+    ("p_v", "d_v"), ("p_w", "d_w"), ("p_omega", "d_omega"), ("m", "I"), ("m", "inertia"), ("v", "w"), ("v", "omega"),
+    ("psi", "psi_dot"), ("psi_dot", "psi_ddot"), ("psi_bar", "psi1"), ("psi0", "psi1"), ("psi1", "psi2"), ("q", "b"),
+    ("cos", "sin"), ("e_x", "e_y"), ("e_along", "e_across"), ("along", "across"), ("s", "o"), ("length", "angle"),
+    ("tau_l", "tau_r"), ("u_v", "u_omega"), ("v_dot", "w_dot"), ("position", "heading"), ("speed", "turn_rate"),
+    ("weight", "leader_weight"), ("left", "right"), ("tail", "head"), ("degree", "coupling"), ("arm", "r"),
+    ("translational", "rotational"), ("x", "y"), ("i", "j"), ("facts", "truth"), ("generic", "generic_unit"),
+    ("ROOT2", "PERIOD"), ("pull_rate", "heading_rate"), ("acceleration_bound", "turn_acceleration_bound"),
+)  # fmt: skip
+SWAPPED: dict[str, list[str]] = {}
+for _one, _other in FAMILIES:
+    SWAPPED.setdefault(_one, []).append(_other)
+    SWAPPED.setdefault(_other, []).append(_one)
+
+
+class Changed(NamedTuple):
+    """A mutant and the file that it is in."""
+
+    path: Path
+    number: int  # among the mutants of that file
+    mutant: Mutant
+
+    @property
+    def place(self) -> str:
+        """Where it is and what it changes."""
+        return f"{self.path.relative_to(ROOT)}: {self.mutant.function or 'module'}: {self.mutant.change}"
+
+
+def more(node: ast.AST) -> Iterator[ast.AST]:
+    """Changes besides those of `mutants.py`: names for each other, texts with blanks, entries left out."""
+    match node:
+        case ast.Attribute(attr=name) | ast.Name(id=name) if name in SWAPPED:
+            for other in SWAPPED[name]:
+                yield (
+                    ast.Attribute(node.value, other, node.ctx)
+                    if isinstance(node, ast.Attribute)
+                    else ast.Name(other, node.ctx)
+                )
+        case ast.Constant(value=str() as text) if " " in text:
+            yield ast.Constant(f"not {text}")
+        case ast.Tuple(elts=elements) | ast.List(elts=elements) if len(elements) > 1 and isinstance(node.ctx, ast.Load):
+            for place in range(len(elements)):
+                yield type(node)([*elements[:place], *elements[place + 1 :]], node.ctx)
+
+
+def every_mutant() -> list[Changed]:
+    """All mutants, file by file."""
+    found = [Changed(path, n, mutant) for path in PROOF for n, mutant in enumerate(mutants(_tree(path), more))]
+    for name, functions in MODELS.items():
+        path = ROOT / name
+        for number, mutant in enumerate(mutants(_tree(path), more)):
+            named = "Inequality(" in mutant.change  # what a condition is called is not the proof's
+            if (not functions or mutant.function in functions) and not named:
+                found.append(Changed(path, number, mutant))
+    return found
+
+
+def _tree(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def report() -> dict[str, Any]:
+    """What `prove` says, without the wording of formulas: verdicts, numbers, witnesses, hypotheses, supports."""
+    from gaincert.verify.proof import prove, theorem_proved
+
+    claims = prove()
+    return {"proved": theorem_proved(claims), "claims": [_verdict(claim) for claim in claims]}
+
+
+def _verdict(claim: Any) -> list[Any]:
+    facts = [_found(fact) for fact in (*claim.facts, *claim.truth)]
+    walks = [[len(walk.after), len(walk.pairs), str(walk.residual)] for walk in claim.walks]
+    return [claim.id, claim.kind.name, claim.status.name, claim.rests_on, len(claim.assumptions), facts, walks]
+
+
+def _found(fact: Any) -> list[Any]:
+    witness = fact.witness and [[str(value) for _, value in fact.witness.point], fact.witness.left, fact.witness.right]
+    return [fact.holds, fact.method.name, len(fact.by), list(fact.values), witness]
+
+
+def outcome(changed: Changed, expected: str) -> str:
+    """What becomes of a mutant."""
+    receive, send = os.pipe()
+    child = os.fork()
+    if child == 0:
+        os.close(receive)
+        try:
+            os.write(send, b"1" if _same(changed, expected) else b"0")
+        finally:
+            os._exit(0)
+    os.close(send)
+    with os.fdopen(receive, "rb") as pipe:
+        word = pipe.read()
+    _, status = os.waitpid(child, 0)
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
+        return TIMED_OUT
+    return SURVIVED if word == b"1" else KILLED
+
+
+def _same(changed: Changed, expected: str) -> bool:
+    """Whether the check says the same with the change in it; runs in a process of its own."""
+    signal.alarm(SECONDS)
+    silent = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(silent, 1)
+    os.dup2(silent, 2)
+    tree = _tree(changed.path)
+    mutants(tree, more)[changed.number].apply()
+    module = module_of(changed.path)
+    for name in _dependents(module):
+        _forget(".".join(("gaincert", *name)))
+    import_instead(".".join(("gaincert", *module)), tree)
+    try:
+        return json.dumps(report()) == expected
+    except Exception:
+        return False
+
+
+def _dependents(module: tuple[str, ...]) -> set[tuple[str, ...]]:
+    """A module and all that import it, directly or not: what has to be imported anew."""
+    found, waiting = {module}, [module]
+    while waiting:
+        imported = waiting.pop()
+        new = {name for name, imports in IMPORTS.items() if imported in imports} - found
+        found |= new
+        waiting += new
+    return found
+
+
+def _forget(name: str) -> None:
+    """Take a module out of those that are loaded, and out of its package."""
+    module = sys.modules.pop(name, None)
+    package, _, last = name.rpartition(".")
+    if module is not None and hasattr(sys.modules.get(package), last):
+        delattr(sys.modules[package], last)
+
+
+def outcomes(chosen: Sequence[Changed], workers: int = 2) -> Iterator[tuple[Changed, str]]:
+    """What becomes of each mutant, in order."""
+    expected = json.dumps(report())
+    assert json.loads(expected)["proved"], "the check does not prove the theorem as it is"
+    with ThreadPoolExecutor(workers) as pool:
+        yield from zip(chosen, pool.map(lambda changed: outcome(changed, expected), chosen), strict=True)
+
+
+def sample(count: int, seed: int = 0) -> list[Changed]:
+    """Some mutants, the same for the same seed."""
+    return random.Random(seed).sample(every_mutant(), count)  # noqa: S311
+
+
+# What survives and why it may: (file, function, change) -> reason.
+ARGUED: dict[tuple[str, str, str], str] = {}
+
+
+def main() -> int:
+    """Print the table and the survivors; 1 where one is not argued."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--sample", type=int, help="only so many mutants")
+    parser.add_argument("--seed", type=int, default=0)
+    parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--file", action="append", default=[], help="only of files whose path has this in it")
+    options = parser.parse_args()
+    chosen = sample(options.sample, options.seed) if options.sample else every_mutant()
+    chosen = [c for c in chosen if not options.file or any(word in c.place for word in options.file)]
+    counts: dict[str, Counter[str]] = {}
+    survivors = []
+    begin = time.monotonic()
+    for changed, word in outcomes(chosen, options.workers):
+        counts.setdefault(str(changed.path.relative_to(ROOT)), Counter())[word] += 1
+        if word == SURVIVED:
+            survivors.append(changed)
+            sys.stderr.write(f"survives: {changed.place} (line {changed.mutant.line})\n")
+    print("| module | mutants | killed | timed out | survived |\n|---|---|---|---|---|")
+    for name, count in counts.items():
+        print(f"| `{name}` | {count.total()} | {count[KILLED]} | {count[TIMED_OUT]} | {count[SURVIVED]} |")
+    total = sum(counts.values(), Counter())
+    print(f"| all | {total.total()} | {total[KILLED]} | {total[TIMED_OUT]} | {total[SURVIVED]} |")
+    print(f"\n{100 * total[SURVIVED] / total.total():.1f} % survive; {time.monotonic() - begin:.0f} s")
+    unargued = [c for c in survivors if argument(c) is None]
+    for changed in survivors:
+        print(f"- {changed.place}: {argument(changed) or 'NOT ARGUED'}")
+    return int(bool(unargued))
+
+
+def argument(changed: Changed) -> str | None:
+    """Why a survivor may."""
+    return ARGUED.get((str(changed.path.relative_to(ROOT)), changed.mutant.function, changed.mutant.change))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
