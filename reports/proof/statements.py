@@ -121,8 +121,8 @@ def expressions(claims: Iterable[Claim]) -> Iterator[Any]:
         if claim.quantity is not None:
             yield claim.quantity
         for fact in (*claim.facts, *claim.truth, *inner_steps(claim)):
-            yield from _of_statement(fact.statement)
-            yield from (s for relation in fact.assumptions for s in _of_statement(relation))
+            yield from of_statement(fact.statement)
+            yield from (s for relation in fact.assumptions for s in of_statement(relation))
             yield from (
                 e for pair in (fact.witness.point if fact.witness else ()) for e in pair if not isinstance(e, str)
             )
@@ -130,10 +130,11 @@ def expressions(claims: Iterable[Claim]) -> Iterator[Any]:
             yield from _of_walk(walk)
 
 
-def _of_statement(statement: Statement) -> Iterator[Any]:
+def of_statement(statement: Statement) -> Iterator[Any]:
+    """The sides of its relations; none of a theorem of Rocq."""
     if isinstance(statement, Implication):
         for relation in (*statement.premises, statement.conclusion):
-            yield from _of_statement(relation)
+            yield from of_statement(relation)
     elif isinstance(statement, Relation):
         yield from (statement.left, statement.right)
 

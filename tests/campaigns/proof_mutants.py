@@ -25,7 +25,7 @@ from gaincert.verify.proof.method.fleet_symbols import SymbolicFleet, generic, g
 from gaincert.verify.proof.method.inferences import compared
 from gaincert.verify.proof.method.normal_form import equal
 from gaincert.verify.proof.method.rules import by_squares, identity, ordered
-from gaincert.verify.proof.method.symbols import W_HAT, V, W, nonnegative_symbol, parameter
+from gaincert.verify.proof.method.symbols import W_HAT, V, W, parameter
 from gaincert.verify.proof.printed import boundedness, convergence, energies, model, saturation, section_4
 from gaincert.verify.proof.this_fleet.excitation import assumption_3
 from gaincert.verify.proof.this_fleet.graph import assumption_1
@@ -146,7 +146,8 @@ def _peak_within(bound: Fraction, power_of_pi: arb) -> Fact:
     """Whether a number bounds psi at t = pi/5."""
     with precise():
         value = section_4.psi_at(4 * power_of_pi, arb.pi() / 10)
-        return compared(Relation(parameter("psi"), "<=", parameter("psi_bar")), value, bound)
+        psi, limit = parameter("psi"), parameter("psi_bar")
+        return compared(Relation(psi, "<=", limit), {psi: value, limit: bound})
 
 
 def _conditions() -> Rows:
@@ -246,12 +247,3 @@ def _renamings(expression: Expr, fleet: SymbolicFleet) -> Iterator[tuple[str, Ex
                 yield f"{late} for {early}", expression.xreplace({getattr(i, early): getattr(i, late)})
         if expression.has(i.cos):
             yield f"perp at {i.theta}", expression.xreplace({i.cos: -i.sin, i.sin: i.cos})
-
-
-def tightened() -> list[Mutant]:
-    """Bounds with a little less on their large side, each by a letter that is not negative."""
-    x, p, kappa = nonnegative_symbol("x"), parameter("p"), parameter("k")
-    return [
-        Mutant("tanh x <= x/2", lambda: ordered(sp.tanh(x), "<=", x / 2, (Relation(sp.tanh(x), "<=", x),))),
-        Mutant("(p + k)^2 <= p^2 + k^2", lambda: ordered((p + kappa) ** 2, "<=", p**2 + kappa**2)),
-    ]

@@ -1,9 +1,13 @@
 """The proof check mutated: `python -m tests.campaigns.proof_mutation [--sample N]`, from the repository's root.
 
 A mutant is the proof check with one small change in `verify/proof` or in a function of `models` that it uses: a number,
-a sign, an operator, a name, a text, or an entry that is left out. It is killed where `prove` ends with another exit
-code, raises, or reports another verdict, number, witness, hypothesis or support of any claim. It survives where all of
-these are the same: then only the wording of a formula or nothing at all has changed. `ARGUED` says why a survivor may.
+a sign, an operator, a name, a text, or an entry that is left out. It is killed where the check raises, where `prove`
+reports another verdict, number, witness or support of any claim, of the paper's fleet or of one that breaks limits,
+where a letter is used that the report does not explain, or where a planted error (`proof_mutants.py`) or an inference
+that does not follow (`proof_rules.py`) is judged otherwise. A change in a rule or in the model is killed by another
+formula in the report, too; a change in a claim is not, since the formula may be what was changed.
+
+What survives changes no more than the wording of a formula. `ARGUED` says why it may.
 
 Every mutant has a process of its own, which imports anew the changed module and all that import it.
 """
@@ -15,17 +19,17 @@ import ast
 import json
 import os
 import random
-import signal
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple, TypeVar
 
-from tests.campaigns.mutants import Mutant, mutants
-from tests.campaigns.mutation import KILLED, SURVIVED, TIMED_OUT, import_instead
+from tests.campaigns import code_mutation
+from tests.campaigns.code_mutants import Mutant, mutants
+from tests.campaigns.code_mutation import KILLED, SURVIVED, TIMED_OUT
 from tests.test_layers import IMPORTS, module_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -44,6 +48,11 @@ MODELS = {
         "Inequality.holds", "_squares",
     ),
 }  # fmt: skip
+CLAIMS = {"lemmas", "printed", "this_fleet", "constants.py"}
+USERS = (
+    "tests.campaigns.proof_mutants", "tests.campaigns.proof_rules", "tests.campaigns.proof_verdicts",
+    "tests.verify.light_fleets",
+)  # fmt: skip
 # Names that may be taken for each other.
 FAMILIES = (
     ("p_v", "d_v"), ("p_w", "d_w"), ("p_omega", "d_omega"), ("m", "I"), ("m", "inertia"), ("v", "w"), ("v", "omega"),
@@ -67,10 +76,45 @@ class Changed(NamedTuple):
     number: int  # among the mutants of that file
     mutant: Mutant
 
+    def trees(self) -> dict[Path, ast.Module]:
+        """The changed file."""
+        tree = _tree(self.path)
+        mutants(tree, more)[self.number].apply()
+        return {self.path: tree}
+
+    @property
+    def judges(self) -> bool:
+        """Whether it is in what judges claims or in what they are about, not in a claim."""
+        return not CLAIMS & set(self.path.relative_to(ROOT).parts)
+
+    @property
+    def key(self) -> tuple[str, str, str]:
+        """File, function and change."""
+        return self.path.relative_to(ROOT).as_posix(), self.mutant.function, self.mutant.change
+
     @property
     def place(self) -> str:
-        """Where it is and what it changes."""
-        return f"{self.path.relative_to(ROOT)}: {self.mutant.function or 'module'}: {self.mutant.change}"
+        """The same in one line."""
+        return ": ".join(filter(None, self.key))
+
+
+class Planted(NamedTuple):
+    """An error in one or more files: (file, old text, new text)."""
+
+    name: str
+    edits: tuple[tuple[str, str, str], ...]
+
+    judges = False
+
+    def trees(self) -> dict[Path, ast.Module]:
+        """The changed files."""
+        sources: dict[Path, str] = {}
+        for name, old, new in self.edits:
+            path = ROOT / name
+            source = sources.get(path) or path.read_text(encoding="utf-8")
+            assert source.count(old) == 1, f"{name} has {old!r} {source.count(old)} times"
+            sources[path] = source.replace(old, new)
+        return {path: ast.parse(source) for path, source in sources.items()}
 
 
 def more(node: ast.AST) -> Iterator[ast.AST]:
@@ -106,60 +150,31 @@ def _tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
-def report() -> dict[str, Any]:
-    """What `prove` says, without the wording of formulas: verdicts, numbers, witnesses, hypotheses, supports."""
-    from gaincert.verify.proof import prove, theorem_proved
-
-    claims = prove()
-    return {"proved": theorem_proved(claims), "claims": [_verdict(claim) for claim in claims]}
+def outcome(change: Changed | Planted, expected: dict[bool, str]) -> str:
+    """What becomes of a change."""
+    return code_mutation.outcome(lambda: _same(change, expected[change.judges]), SECONDS)
 
 
-def _verdict(claim: Any) -> list[Any]:
-    facts = [_found(fact) for fact in (*claim.facts, *claim.truth)]
-    walks = [[len(walk.after), len(walk.pairs), str(walk.residual)] for walk in claim.walks]
-    return [claim.id, claim.kind.name, claim.status.name, claim.rests_on, len(claim.assumptions), facts, walks]
-
-
-def _found(fact: Any) -> list[Any]:
-    witness = fact.witness and [[str(value) for _, value in fact.witness.point], fact.witness.left, fact.witness.right]
-    return [fact.holds, fact.method.name, len(fact.by), list(fact.values), witness]
-
-
-def outcome(changed: Changed, expected: str) -> str:
-    """What becomes of a mutant."""
-    receive, send = os.pipe()
-    child = os.fork()
-    if child == 0:
-        os.close(receive)
-        try:
-            os.write(send, b"1" if _same(changed, expected) else b"0")
-        finally:
-            os._exit(0)
-    os.close(send)
-    with os.fdopen(receive, "rb") as pipe:
-        word = pipe.read()
-    _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
-        return TIMED_OUT
-    return SURVIVED if word == b"1" else KILLED
-
-
-def _same(changed: Changed, expected: str) -> bool:
+def _same(change: Changed | Planted, expected: str) -> bool:
     """Whether the check says the same with the change in it; runs in a process of its own."""
-    signal.alarm(SECONDS)
     silent = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silent, 1)
     os.dup2(silent, 2)
-    tree = _tree(changed.path)
-    mutants(tree, more)[changed.number].apply()
-    module = module_of(changed.path)
-    for name in _dependents(module):
-        _forget(".".join(("gaincert", *name)))
-    import_instead(".".join(("gaincert", *module)), tree)
-    try:
-        return json.dumps(report()) == expected
-    except Exception:
-        return False
+    for path, tree in change.trees().items():
+        module = module_of(path)
+        for name in _dependents(module):
+            _forget(".".join(("gaincert", *name)))
+        code_mutation.import_instead(".".join(("gaincert", *module)), tree)
+    for name in USERS:
+        _forget(name)
+    return verdicts(formulas=change.judges) == expected
+
+
+def verdicts(*, formulas: bool) -> str:
+    """What the check says now, from modules that are imported anew where they were forgotten."""
+    from tests.campaigns.proof_verdicts import report
+
+    return json.dumps(report(formulas=formulas))
 
 
 def _dependents(module: tuple[str, ...]) -> set[tuple[str, ...]]:
@@ -181,12 +196,15 @@ def _forget(name: str) -> None:
         delattr(sys.modules[package], last)
 
 
-def outcomes(chosen: Sequence[Changed], workers: int = 2) -> Iterator[tuple[Changed, str]]:
-    """What becomes of each mutant, in order."""
-    expected = json.dumps(report())
-    assert json.loads(expected)["proved"], "the check does not prove the theorem as it is"
+Change = TypeVar("Change", "Changed", "Planted")
+
+
+def outcomes(chosen: Sequence[Change], workers: int = 2) -> Iterator[tuple[Change, str]]:
+    """What becomes of each change, in order."""
+    expected = {formulas: verdicts(formulas=formulas) for formulas in (False, True)}
+    assert json.loads(expected[True])["proved"], "the check does not prove the theorem as it is"
     with ThreadPoolExecutor(workers) as pool:
-        yield from zip(chosen, pool.map(lambda changed: outcome(changed, expected), chosen), strict=True)
+        yield from zip(chosen, pool.map(lambda change: outcome(change, expected), chosen), strict=True)
 
 
 def sample(count: int, seed: int = 0) -> list[Changed]:
@@ -230,7 +248,7 @@ def main() -> int:
 
 def argument(changed: Changed) -> str | None:
     """Why a survivor may."""
-    return ARGUED.get((str(changed.path.relative_to(ROOT)), changed.mutant.function, changed.mutant.change))
+    return ARGUED.get(changed.key)
 
 
 if __name__ == "__main__":

@@ -62,6 +62,9 @@ class Method(Enum):
     CITED = auto()
 
 
+SIGNS = frozenset({"=", "!=", "<", "<=", ">", ">=", "->", "-/>", "bounded", "unbounded"})
+
+
 @dataclass(frozen=True)
 class Relation:
     """left sign right. The sign "->" is a limit for t to infinity, "-/>" its negation; "bounded" has no right side."""
@@ -69,6 +72,10 @@ class Relation:
     left: Expr
     sign: str
     right: Expr
+
+    def __post_init__(self) -> None:
+        if self.sign not in SIGNS:
+            raise ValueError(f"a relation has one of the signs {sorted(SIGNS)}, not {self.sign!r}")
 
     def subs(self, values: Any) -> Relation:
         """The relation with expressions replaced."""

@@ -41,7 +41,8 @@ def _affine(rate: Expr) -> Fact:
     fleet = generic()
     weights = [*fleet.graph.weight, *fleet.graph.leader_weight]
     degree = sp.Poly(normal_form(fleet.unfold(rate)), *weights).total_degree()
-    return compared(Relation(sp.Function("deg")(rate), "<=", sp.S.One), degree, 1)
+    named = sp.Function("deg")(rate)
+    return compared(Relation(named, "<=", sp.S.One), {named: degree})
 
 
 @cache

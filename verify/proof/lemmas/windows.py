@@ -11,7 +11,6 @@ from ....models.arrays import column
 from .. import constants
 from ..claim import Claim, Expr, Fact, Kind, Relation
 from ..formal import Development, proved_by
-from ..method.ball import evaluate, precise
 from ..method.fleet_symbols import SymbolicFleet, generic
 from ..method.inferences import compared
 from ..method.rules import assumed, by_equation, chained, identity, majorized, ordered
@@ -66,8 +65,7 @@ def _chain_of_two() -> Fact:
     most = sp.Rational(1, 2)
     level = constants.level_for(generic().setting, most, sp.S.One, sp.S.One, sp.Integer(2))
     reached = sp.atanh(2 * level) + sp.atanh(level)
-    with precise():
-        return compared(Relation(symbol("theta", "2"), "<=", most), evaluate(reached), evaluate(most))
+    return compared(Relation(reached, "<=", most), {})
 
 
 # -- L10, L11 ---------------------------------------------------------------------------------------------------------
@@ -116,9 +114,9 @@ def l12(formal: Development, l10_: Claim) -> Claim:
     xi = constants.along_bound(setting, PERIOD)[0]
     weight = Weight(mean_free.right, i.psi1, i.k * variance)
     steps = (
-        over_window(turning, i.b, weight, {i.b: b, i.e_theta: heading}, (slow_turn, psi), beta),
-        over_window(turning, i.e_theta, _even(i.p_w), {i.e_theta: heading}, (slow_turn, psi, small_b), eps),
-        over_window(driving, i.q, _even(i.p_v), {i.q: q}, (slow_drive,), xi),
+        over_window(turning, i.b, weight, (b, heading), (slow_turn, psi), beta, fleet.dots),
+        over_window(turning, i.e_theta, _even(i.p_w), (heading,), (slow_turn, psi, small_b), eps, fleet.dots),
+        over_window(driving, i.q, _even(i.p_v), (q,), (slow_drive,), xi, fleet.dots),
     )
     facts = (mean_free, variance_kept, *moves.values(), *steps)
     return Claim("L12", Kind.LEMMA, (*facts, proved_by("window_small", formal, l10_.facts)))

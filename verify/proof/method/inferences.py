@@ -10,7 +10,7 @@ import sympy as sp
 from flint import arb
 
 from ..claim import Expr, Fact, Implication, Method, Quotation, Relation, Witness
-from .ball import Ball, ball, evaluate, precise, sample, text
+from .ball import Ball, evaluate, precise, sample, text
 from .fleet_symbols import SymbolicFleet
 from .normal_form import equal, normal_form
 from .rules import identity, settled
@@ -55,11 +55,14 @@ def carried(level: Expr, t: Expr, angle: Expr, kept: Sequence[Fact]) -> Fact:
     return Fact(Relation(level * t, "<=", angle), settled(holds, kept), Method.COMPARISON, tuple(kept))
 
 
-def gained(rate: Fact, angle: Expr, start: Expr, end: Expr, speed: Expr) -> Fact:
-    """speed^2/2 grows by at least g (end - start) between two angles along which g <= the acceleration (the fact)."""
-    work = identity(sp.Integral(rate.left, (angle, start, end)), rate.left * (end - start))
-    relation, grounds = Relation(sp.sqrt(2 * work.right), "<=", sp.Abs(speed)), (rate, work)
-    return Fact(relation, settled(True, grounds), Method.COMPARISON, grounds)
+def gained(rate: Fact, stretch: tuple[Expr, Expr, Expr], speed: Expr, stated: Expr) -> Fact:
+    """stated <= |speed|: speed^2/2 grows by the integral of the acceleration over a stretch (angle, start, end).
+
+    The acceleration is at least a number g there: the fact, g <= acceleration.
+    """
+    work = identity(sp.Integral(rate.left, stretch), stated**2 / 2)
+    relation, grounds = Relation(stated, "<=", sp.Abs(speed)), (rate, work)
+    return Fact(relation, settled(True if rate.sign == "<=" else None, grounds), Method.COMPARISON, grounds)
 
 
 _NEGATED = {"->": "-/>", "=": "!=", "<=": ">", "<": ">=", ">=": "<", "bounded": "unbounded"}
@@ -102,32 +105,37 @@ Value = Ball | Fraction | int
 
 
 def compared(
-    relation: Relation, left: Value, right: Value, point: Mapping[Expr, Expr] | None = None, of: str = ""
+    relation: Relation, values: Mapping[Expr, Value], point: Mapping[Expr, Expr] | None = None, of: str = ""
 ) -> Fact:
-    """A relation between two numbers, exact or balls; undecided where balls overlap.
+    """A relation between numbers: its sides at values of their letters, exact or balls; undecided where balls overlap.
 
-    Shown with the point they belong to, and with the name of what they are `of`.
+    Shown with the point that the values belong to, and with the name of what they are `of`.
     """
-    if isinstance(left, arb) or isinstance(right, arb):
-        left, right, method = ball(left), ball(right), Method.BALLS
-    else:
-        method = Method.EXACT
+    left, right, method = _sides(relation, values)
     signs = {"<=": left <= right, "<": left < right, ">=": left >= right, ">": left > right, "=": left == right}
     against = {"<=": left > right, "<": left >= right, ">=": left < right, ">": left <= right, "=": left != right}
     holds = True if signs[relation.sign] else False if against[relation.sign] else None
     witness = Witness(tuple((point or {}).items()), _text(left), _text(right)) if holds is False else None
-    return Fact(
-        relation,
-        holds,
-        method,
-        witness=witness,
-        values=(_text(left), relation.sign, _text(right), *([of] if of else [])),
-    )
+    shown = (_text(left), relation.sign, _text(right), *([of] if of else []))
+    return Fact(relation, holds, method, witness=witness, values=shown)
+
+
+def _sides(relation: Relation, values: Mapping[Expr, Value]) -> tuple[Value, Value, Method]:
+    """Both sides as fractions where every value is one and no irrational function is applied, else as balls."""
+    exact = {s: sp.Rational(int(q.numerator), int(q.denominator)) for s, q in values.items() if not isinstance(q, arb)}
+    sides = [sp.sympify(side) for side in (relation.left, relation.right)]
+    numbers = [side.xreplace(exact) for side in sides]
+    if all(number.is_Rational for number in numbers):
+        left, right = (Fraction(int(number.p), int(number.q)) for number in numbers)
+        return left, right, Method.EXACT
+    with precise():
+        left, right = (evaluate(side, values) for side in sides)
+    return left, right, Method.BALLS
 
 
 def _text(value: Value) -> str:
     if isinstance(value, arb):
-        return text(value, 9)
+        return str(value.unique_fmpz()) if value.is_integer() else text(value, 9)
     exact = str(value)
     return exact if len(exact) <= 12 else f"{float(value):.9g}"
 

@@ -138,7 +138,13 @@ def majorized(
 
 
 def bounds_of(limits: Iterable[Fact]) -> dict[Expr, Expr]:
-    """Facts |g| <= bound as a map from g to its bound, g in normal form and without a sign in front."""
+    """Facts |g| <= bound as a map from g to its bound, g in normal form and without a sign in front.
+
+    Raises ValueError for a fact that bounds no size.
+    """
+    limits = tuple(limits)
+    if other := [fact.statement for fact in limits if fact.left.func is not sp.Abs or fact.sign not in ("<", "<=")]:
+        raise ValueError(f"{other[0]} does not bound the size of anything from above")
     return {normal_form(fact.left.args[0]).as_coeff_Mul()[1]: fact.right for fact in limits}
 
 
@@ -216,7 +222,8 @@ def by_squares(left: Expr, right: Expr, where: Sequence[Relation | Fact] = ()) -
 def by_gap(left: Expr, right: Expr, factor: Expr, fact: Fact) -> Fact:
     """left <= right, because right - left is a positive factor times the gap of another fact."""
     same = identity(right - left, factor * (fact.right - fact.left))
-    holds, grounds = True if factor.is_positive else None, (same, fact)
+    kept = factor.is_positive or (factor.is_nonnegative and fact.sign == "<=")
+    holds, grounds = True if kept else None, (same, fact)
     return Fact(Relation(left, fact.sign, right), settled(holds, grounds), Method.TRIANGLE, grounds)
 
 
@@ -245,6 +252,18 @@ def grows(left: Expr, right: Expr, s: Expr, where: Sequence[Fact] = ()) -> Fact:
     slope = ordered(0, "<=", normal_form(gap.diff(s)), where)
     grounds = (identity(gap.subs(s, 0), 0), slope)
     return Fact(Relation(left, "<=", right), settled(True, grounds), Method.GROWTH, grounds)
+
+
+def falling(function: Expr, s: Expr, last: Expr, slope: tuple[Fact, Fact]) -> Fact:
+    """f(last) <= f(s) for 0 < s <= last.
+
+    `slope` has s^2 f'(s) = a - b, and a <= b for all s >= 0.
+    """
+    same, sign = slope
+    shown = equal(same.left, s**2 * function.diff(s)) and equal(same.right, sign.left - sign.right)
+    grounds = (*slope, assumed(Relation(s, "<=", last)))
+    holds = True if shown and (same.sign, sign.sign) == ("=", "<=") else None
+    return Fact(Relation(function.subs(s, last), "<=", function), settled(holds, grounds), Method.GROWTH, grounds)
 
 
 def mirrored(fact: Fact, s: Expr, x: Expr) -> Fact:

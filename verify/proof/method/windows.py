@@ -25,20 +25,28 @@ class Weight(NamedTuple):
 
 
 def over_window(
-    equation: Fact, term: Expr, weight: Weight, drifts: Mapping[Expr, Fact], limits: Sequence[Fact], stated: Expr
+    equation: Fact,
+    term: Expr,
+    weight: Weight,
+    drifts: Sequence[Fact],
+    limits: Sequence[Fact],
+    stated: Expr,
+    dots: Mapping[Expr, Expr],
 ) -> Fact:
     """|term| <= stated * eta over a window of length T with all speeds at most eta.
 
     `equation` is mass * rate = right side, the rate that of a speed. Multiply it by f and integrate, the left side by
     parts: the boundary gives 2 |f| eta, the rest |f'| eta T. Every term of the right side that drifts (`drifts` has
-    |its rate| <= bound) is within bound * age of its value when the window began; of all but `term` f takes out that
-    value, or `limits` bounds it.
+    |its rate| <= bound, and `dots` the symbol of each rate) is within bound * age of its value when the window began;
+    of all but `term` f takes out that value, or `limits` bounds it.
     """
+    letters, rates = {dot: letter for letter, dot in dots.items()}, bounds_of(drifts)
+    moved = {letters[rate]: bound for rate, bound in rates.items()}
     (mass,) = sp.Poly(equation.left, *[s for s in equation.left.free_symbols if not s.is_positive]).coeffs()
-    bounds = bounds_of(limits) | {letter: fact.right * _AGE for letter, fact in drifts.items()}
+    bounds = bounds_of(limits) | {letter: bound * _AGE for letter, bound in moved.items()}
     right = sp.integrate(majorant(equation.right, bounds), (_AGE, 0, PERIOD)) * weight.size
     left = mass * ETA * (2 * weight.size + weight.slope * PERIOD)
-    found = (left + right) / weight.kept + drifts[term].right * PERIOD
-    residual, grounds = difference(stated * ETA, found), (equation, *drifts.values(), *limits)
+    found = (left + right) / weight.kept + moved[term] * PERIOD
+    residual, grounds = difference(stated * ETA, found), (equation, *drifts, *limits)
     relation = Relation(sp.Abs(term), "<=", stated * ETA)
     return Fact(relation, settled(bool(residual == 0), grounds), Method.WINDOW, grounds, residual)

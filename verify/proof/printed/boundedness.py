@@ -13,7 +13,7 @@ from ....models.equations import State
 from ..claim import Claim, Expr, Fact, Implication, Kind, Relation
 from ..lemmas.bounds import l1, psi_limit
 from ..lemmas.functions import sech2, tanh_below_1
-from ..method.ball import ball, evaluate, precise, text
+from ..method.ball import precise, text
 from ..method.fleet_balls import BallFleet, paper, paper_peak
 from ..method.fleet_symbols import generic_unit
 from ..method.inferences import carried, compared, counterexample, gained, outgrows
@@ -67,13 +67,13 @@ def _after_20_on_paper(size: Expr) -> Fact:
         data, c = paper(), paper().excitation_bounds(paper_peak())[1]
         values = {OMEGA: -1, ALPHA: -c, C: c, D: data.exact_gains.d_omega[1], P: data.exact_gains.p_omega[1]}
         damping = D * OMEGA * sp.tanh(OMEGA)
-        rate, bound = (evaluate((push - damping) / P, values) for push in (OMEGA * ALPHA, size * C))
+        rate, bound = ((push - damping) / P for push in (OMEGA * ALPHA, size * C))
         point = {
             symbol("omega", "2"): sp.Integer(-1),
             symbol("alpha", "2"): -parameter("c", "2"),
             parameter("c", "2"): text(c),
         }
-        return compared(Relation(rate_of(W), "<=", symbol("W_bound")), rate, bound, point)
+        return compared(Relation(rate, "<=", bound), values, point)
 
 
 def after_20_b() -> Claim:
@@ -108,9 +108,8 @@ def boundedness_of_omega() -> Claim:
         rate = paper().energy_rate(paper_peak(), rising_state(paper()))
         point = {symbol("omega", "1"): sp.S.One, symbol("omega", "2"): sp.S.Half, symbol("psi"): text(paper_peak())}
         point |= {symbol("theta", "1"): -3 * sp.pi / 4, symbol("theta", "2"): sp.pi / 4} | _places((1, 40), (2, -40))
-        return Claim(
-            "boundedness-of-omega", Kind.PAPER, (compared(Relation(rate_of(W), "<=", sp.S.Zero), rate, 0, point),)
-        )
+        rises = compared(Relation(rate_of(W), "<=", sp.S.Zero), {rate_of(W): rate}, point)
+    return Claim("boundedness-of-omega", Kind.PAPER, (rises,))
 
 
 def _places(*far: tuple[int, int]) -> dict[Expr, Expr]:
@@ -133,7 +132,7 @@ def any_alpha() -> Claim:
     with precise():
         data, c = paper(), paper().excitation_bounds(paper_peak())[0]
         held = (data.exact_gains.p_omega * data.plant.graph.degree)[0]
-        positive = compared(Relation(sp.S.Zero, "<", C - pull), ball(0), c - held)
+        positive = compared(Relation(sp.S.Zero, "<", C - pull), {C: c, pull: held})
     at_level = (Relation(sp.tanh(level), "<=", (C - pull) / D), Relation(C, ">=", pull))
     kept = ordered(0, "<=", C - pull - D * sp.tanh(level), at_level)
     runs = outgrows(carried(level, t, angle, (kept, positive)), t)
@@ -146,10 +145,7 @@ def cuts() -> Claim:
     with precise():
         broken, total = broken_cuts(paper(), paper_peak())
     n, all_ = symbol("cuts_broken"), symbol("cuts_all")
-    facts = (
-        compared(Relation(n, "=", sp.Integer(53)), broken, 53),
-        compared(Relation(all_, "=", sp.Integer(63)), total, 63),
-    )
+    facts = compared(Relation(n, "=", 53), {n: broken}), compared(Relation(all_, "=", 63), {all_: total})
     return Claim("cuts", Kind.REMARK, facts)
 
 
@@ -183,21 +179,16 @@ def eq_15() -> Claim:
     level, pull, damping = parameter("omega", "0"), nonnegative_symbol("e"), nonnegative_symbol("h")
     at_level = (Relation(sp.tanh(level), "<=", ((C - P) / D).subs(numbers)),)
     drift = ordered(0, "<=", (C - P - D * sp.tanh(level)).subs(numbers), at_level)
-    positive = _number(sp.S.Zero, "<", (C - P).subs(numbers))
+    positive = compared(Relation(sp.S.Zero, "<", (C - P).subs(numbers)), {})
     out = outgrows(carried(level, t, angle, (drift, positive)), t)
     gain = (C + P * TANH_1 - D).subs(numbers)
     along = (Relation(pull, ">=", TANH_1), Relation(damping, "<=", sp.S.One))
     back = ordered(gain, "<=", (C + P * pull - D * damping).subs(numbers), along)
-    swing = outgrows(gained(back, angle, sp.S.One, far, OMEGA), far)
+    swing = outgrows(gained(back, (angle, sp.S.One, far), OMEGA, sp.sqrt(2 * gain * (far - 1))), far)
     facts = (
-        _number((C / TANH_1).subs(numbers), "<=", D.subs(numbers)),
+        compared(Relation((C / TANH_1).subs(numbers), "<=", D.subs(numbers)), {}),
         ordered(sp.Abs(C.subs(numbers)), "<=", C.subs(numbers)),
         out,
         swing,
     )
     return Claim("eq-15", Kind.PAPER, (counterexample(rule, {**numbers, ALPHA: C.subs(numbers)}, facts),))
-
-
-def _number(left: Expr, sign: str, right: Expr) -> Fact:
-    with precise():
-        return compared(Relation(left, sign, right), evaluate(left), evaluate(right))

@@ -10,11 +10,11 @@ from ....models.algebra.log_cosh import log_cosh
 from ..claim import Claim, Expr, Fact, Implication, Kind, Relation
 from ..lemmas.bounds import l1
 from ..lemmas.energies import affine, l2, walk
-from ..lemmas.functions import X, l0
+from ..lemmas.functions import S, X, l0, sech2
 from ..method.fleet_symbols import SymbolicFleet, generic_unit, numbered
 from ..method.inferences import counterexample, stays_above, tends_to_zero
-from ..method.rules import chained, identity, less, ordered, restated
-from ..method.symbols import V, W, nonnegative_symbol, parameter, rate_of, symbol
+from ..method.rules import by_gap, chained, falling, identity, less, ordered, restated
+from ..method.symbols import V, W, parameter, rate_of, symbol
 
 U = generic_unit()
 
@@ -83,7 +83,7 @@ def printed_energy(axes: str, mass: str, gain: str, speed: str) -> Expr:
 
 def _unbounded() -> tuple[Fact, ...]:
     """log cosh >= 0, and cosh s > e^s/2: an energy is positive, and large where its arguments are."""
-    return restated(l0().about(sp.S.Zero, "<=")), restated(l0().about(sp.exp(nonnegative_symbol("s")) / 2))
+    return restated(l0().about(sp.S.Zero, "<=")), restated(l0().about(sp.exp(S) / 2))
 
 
 def eq_17(stated: Expr | None = None) -> Claim:
@@ -130,8 +130,7 @@ def shown_fleets() -> tuple[SymbolicFleet, ...]:
 
 def speeds() -> Claim:
     """v is square integrable: |v| <= M gives (tanh(M)/M) v^2 <= v tanh v, as tanh s / s decreases; v' is bounded."""
-    s, ratio, most = nonnegative_symbol("s"), nonnegative_symbol("h"), parameter("M")
-    decreases = [fact for fact in l0().facts if fact.left.has(s) and fact.right.has(sp.tanh(s))]
-    least = sp.tanh(most) / most
-    square = ordered(least * s**2, "<=", s * ratio * s, (Relation(ratio, ">=", least),))
-    return Claim("v-in-L2", Kind.PAPER, (square, *map(restated, decreases), restated(l1().about(sp.Abs(U[0].v_dot)))))
+    most, ratio = parameter("M"), sp.tanh(S) / S
+    slope = l0().about(S**2 * sp.diff(ratio, S)), l0().about(S * sech2(S))
+    square = by_gap(sp.tanh(most) / most * S**2, S * sp.tanh(S), S**2, falling(ratio, S, most, slope))
+    return Claim("v-in-L2", Kind.PAPER, (square, restated(l1().about(sp.Abs(U[0].v_dot)))))

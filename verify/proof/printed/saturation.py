@@ -12,7 +12,7 @@ from ..claim import Claim, Expr, Fact, Kind, Relation
 from ..lemmas.bounds import l1, psi_limit
 from ..lemmas.functions import tanh_below_1
 from ..lemmas.torques import l16, l16_sufficient
-from ..method.ball import evaluate, precise, text
+from ..method.ball import precise, text
 from ..method.fleet_balls import FAR, paper, paper_peak
 from ..method.fleet_symbols import generic_unit
 from ..method.inferences import compared
@@ -39,12 +39,11 @@ def met_on_the_paper(condition: conditions.Condition) -> tuple[Fact, ...]:
     """A condition in exact rational arithmetic, roots rounded up."""
     data = paper()
     found = condition(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
-    return tuple(
-        compared(
-            Relation(symbol("small", str(n)), "<" if found.strict else "<=", symbol("large", str(n))), small, large
-        )
-        for n, (small, large) in enumerate(zip(found.small, found.large, strict=True), 1)
-    )
+    sign, facts = "<" if found.strict else "<=", []
+    for n, (small, large) in enumerate(zip(found.small, found.large, strict=True), 1):
+        names = symbol("small", str(n)), symbol("large", str(n))
+        facts.append(compared(Relation(names[0], sign, names[1]), dict(zip(names, (small, large), strict=True))))
+    return tuple(facts)
 
 
 def conservatism() -> Claim:
@@ -55,11 +54,8 @@ def conservatism() -> Claim:
     excess = 100 * (allowed / conditions.torque_bound(numbers, room, data.gains) - 1)
     share = symbol("excess")
     bounds = ((">=", min(excess), sp.Rational("2.551")), ("<=", max(excess), sp.Rational("3.646")))
-    return Claim(
-        "conservatism",
-        Kind.REMARK,
-        tuple(compared(Relation(share, sign, most), value, int(most.p) / int(most.q)) for sign, value, most in bounds),
-    )
+    facts = tuple(compared(Relation(share, sign, most), {share: value}) for sign, value, most in bounds)
+    return Claim("conservatism", Kind.REMARK, facts)
 
 
 def eq_16() -> Claim:
@@ -140,8 +136,8 @@ def _turning_on_paper(stated: Expr) -> Fact:
         place = {symbol(axis, "2"): symbol(axis, "l") + symbol(f"delta_{axis}", "2") - FAR for axis in "xy"}
         turned = {symbol("theta", "2"): 3 * sp.pi / 4 - 2 * FAR * sp.pi, symbol("omega", "2"): sp.Integer(-FAR)}
         point = place | turned | {symbol("psi"): text(paper_peak())}
-        relation = Relation(sp.Abs(symbol("u_omega", "2")), "<=", symbol("u_bar_omega", "2"))
-        return compared(relation, reached, evaluate(stated, values | weights), point)
+        most = sp.Abs(symbol("u_omega", "2"))
+        return compared(Relation(most, "<=", stated), {most: reached, **values, **weights}, point)
 
 
 def max_torque() -> Claim:

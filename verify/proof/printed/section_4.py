@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 from fractions import Fraction
-from math import prod
 
 import sympy as sp
 from flint import arb
 
 from ....models import conditions
-from ....models.enclosures import tanh_below
 from ..claim import Claim, Expr, Fact, Kind, Relation
 from ..formal import Development, proved_by
 from ..method.ball import Ball, ball, evaluate, precise
-from ..method.fleet_balls import paper
+from ..method.fleet_balls import paper, paper_peak
 from ..method.fleet_symbols import OPS, SymbolicFleet
 from ..method.inferences import compared
 from ..method.rules import identity
@@ -32,9 +30,9 @@ def claims(formal: Development) -> list[Claim]:
 def eq_12() -> Claim:
     """(12) for the paper's psi: the integral of psi'^2 over any 2 pi is 20/pi."""
     q, power = rate_power(paper().psi, Fraction(1)) or (Fraction(0), 0)
-    mu, exponent = symbol("mu"), symbol("power_of_pi")
-    exact = compared(Relation(mu / sp.pi**exponent, "=", sp.Integer(20)), q, 20)
-    return Claim("eq-12", Kind.PAPER, (exact, compared(Relation(exponent, "=", sp.Integer(-1)), power, -1)))
+    factor, exponent = symbol("factor_of_pi"), symbol("power_of_pi")
+    facts = compared(Relation(factor, "=", 20), {factor: q}), compared(Relation(exponent, "=", -1), {exponent: power})
+    return Claim("eq-12", Kind.PAPER, facts)
 
 
 def psi_alone(formal: Development) -> Claim:
@@ -43,8 +41,7 @@ def psi_alone(formal: Development) -> Claim:
     i = fleet[0]
     still = (identity(dot, fleet.fold(fleet.definitions[dot]), fleet) for dot in (i.v_dot, i.w_dot))
     turned = sp.atanh(sp.Rational(1, 4))  # theta - theta_l for b = 1/2, k psi/p_omega = 1/2, a_il = 1
-    with precise():
-        away = compared(Relation(sp.S.Zero, "<", i.theta - symbol("theta", "l")), 0, evaluate(turned))
+    away = compared(Relation(sp.S.Zero, "<", turned), {})
     return Claim("pe-of-psi", Kind.REMARK, (*still, away, proved_by("constant_psi_is_not_enough", formal)))
 
 
@@ -63,18 +60,22 @@ def psi_section_4(coefficient: Ball | None = None) -> Claim:
         read, beside = 4 / arb.pi() if coefficient is None else coefficient, 4 * arb.pi()
         size = psi_at(read, arb.pi() / 10)
         met = [
-            compared(Relation(symbol("c", str(n)) / sp.tanh(1), "<=", symbol("d_omega", str(n))), needed, given)
-            for n, needed, given in zip(VEHICLES, _needed(size), paper().gains.d_omega, strict=True)
+            compared(Relation(c / sp.tanh(1), "<=", d), {c: bound, d: given}) for c, d, bound, given in _bounds(size)
         ]
         largest = psi_at(beside, arb.pi() / 10)
-        broken = sum(bool(needed > ball(d)) for needed, d in zip(_needed(largest), paper().gains.d_omega, strict=True))
-        other = compared(Relation(symbol("broken"), "=", sp.Integer(6)), broken, 6)
-    return Claim("psi-section-4", Kind.READING, (*met, other))
+        broken = [
+            compared(Relation(c / sp.tanh(1), ">", d), {c: bound, d: given}) for c, d, bound, given in _bounds(largest)
+        ]
+    return Claim("psi-section-4", Kind.READING, (*met, *broken))
 
 
-def _needed(size: Ball) -> list[Ball]:
-    """What (15) asks of d_omega for a bound of psi."""
-    return [c / arb(1).tanh() for c in paper().excitation_bounds(size)]
+def _bounds(size: Ball) -> list[tuple[Expr, Expr, Ball, Fraction]]:
+    """c_i and d_omega,i of the paper's vehicles, letters and numbers, for a bound of psi."""
+    bounds, given = paper().excitation_bounds(size), paper().gains.d_omega
+    return [
+        (symbol("c", str(n)), symbol("d_omega", str(n)), bound, d)
+        for n, bound, d in zip(VEHICLES, bounds, given, strict=True)
+    ]
 
 
 def closed_form() -> Expr:
@@ -89,9 +90,9 @@ def psi_bar(stated: Expr | None = None) -> Claim:
     """
     z, size, bound = symbol("z"), symbol("psi_bar"), closed_form() if stated is None else stated
     cosines = sum((z - 1 / z) * (z ** (2 * k - 1) + z ** (1 - 2 * k)) for k in range(1, 6))
-    peak = paper().psi.value(OPS, sp.pi / 5)
+    peak, at_zeros, above = paper().psi.value(OPS, sp.pi / 5), symbol("psi", "j"), symbol("psi_certified")
     with precise():
-        exact, certified = evaluate(bound), ball(paper().psi.bound)
+        exact, certified = evaluate(bound), paper().psi.bound
         zeros = [arb.pi() * j / 10 for j in (2, 3, 4, 5, 11, 12, 13, 14, 15)]
         elsewhere = max((abs(psi_at(4 / arb.pi(), u)) for u in zeros), key=float)
         return Claim(
@@ -100,13 +101,9 @@ def psi_bar(stated: Expr | None = None) -> Claim:
             (
                 identity(bound, peak),
                 identity(cosines, z**10 - z**-10),
-                compared(Relation(symbol("psi", "j"), "<", size), elsewhere, exact),
-                compared(Relation(size, "<=", symbol("psi_certified")), exact, certified),
-                compared(
-                    Relation(symbol("psi_certified") - size, "<", sp.Rational(1, 10**8)),
-                    certified - exact,
-                    Fraction(1, 10**8),
-                ),
+                compared(Relation(at_zeros, "<", size), {at_zeros: elsewhere, size: exact}),
+                compared(Relation(size, "<=", above), {size: exact, above: certified}),
+                compared(Relation(above - size, "<", sp.Rational(1, 10**8)), {above: certified, size: exact}),
             ),
             quantity=size,
         )
@@ -118,18 +115,13 @@ def psi_bar(stated: Expr | None = None) -> Claim:
 def fig_2() -> Claim:
     """Ring 1-2-3-4-5-6-1, chord 2-4, leader weight 10 to 2 and 4: (15) is met by less than 4 %, and (16) is met."""
     data = paper()
-    found = conditions.condition_15(conditions.exact_numbers(), data.fleet.condition_data(data.psi), data.gains)
     degrees = [
-        compared(Relation(symbol("D", str(n)), "=", sp.Integer(stated)), degree, stated)
+        compared(Relation(symbol("D", str(n)), "=", stated), {symbol("D", str(n)): degree})
         for n, degree, stated in zip(VEHICLES, data.fleet.graph.degree, (2, 13, 2, 13, 2, 2), strict=True)
     ]
     tight = [
-        compared(
-            Relation(sp.Rational(24, 25), "<", symbol("share", str(n))),
-            Fraction(24, 25),
-            small / tanh_below(Fraction(1)) / d,
-        )
-        for n, small, d in zip(VEHICLES, found.small, data.gains.d_omega, strict=True)
+        compared(Relation(sp.Rational(24, 25) * d, "<", c / sp.tanh(1)), {c: bound, d: given})
+        for c, d, bound, given in _bounds(paper_peak())
     ]
     return Claim("fig-2", Kind.READING, (*degrees, *tight, *met_on_the_paper(conditions.condition_16)))
 
@@ -137,9 +129,9 @@ def fig_2() -> Claim:
 def lemma_1() -> Claim:
     """Lemma 1 on the paper's graph: the rational pivots of L_l are positive, and its determinant is 1080."""
     pivots = paper().fleet.graph.ldl_pivots()
-    positive = [compared(Relation(symbol("pivot", str(n)), ">", sp.S.Zero), p, 0) for n, p in enumerate(pivots, 1)]
-    determinant = compared(Relation(symbol("det"), "=", sp.Integer(1080)), prod(pivots), 1080)
-    return Claim("lemma-1-paper", Kind.PAPER, (*positive, determinant))
+    values = {symbol("pivot", str(n)): pivot for n, pivot in enumerate(pivots, 1)}
+    positive = (compared(Relation(pivot, ">", 0), values) for pivot in values)
+    return Claim("lemma-1-paper", Kind.PAPER, (*positive, compared(Relation(sp.Mul(*values), "=", 1080), values)))
 
 
 def table_1(stated: Expr | None = None) -> Claim:
@@ -154,10 +146,10 @@ def table_1(stated: Expr | None = None) -> Claim:
 def table_2() -> Claim:
     """The offsets are a triangle: vehicles 2, 4, 6 are the midpoints of its sides 1-3, 3-5, 5-1."""
     offsets = [vehicle.offset for vehicle in paper().fleet.vehicles]
+    sides = ((2, 1, 3), (4, 3, 5), (6, 5, 1))
     facts: list[Fact] = []
-    for middle, (one, other) in {2: (1, 3), 4: (3, 5), 6: (5, 1)}.items():
-        for axis, name in enumerate(("delta_x", "delta_y")):
-            names = [symbol(name, str(n)) for n in (middle, one, other)]
-            gap = 2 * offsets[middle - 1][axis] - offsets[one - 1][axis] - offsets[other - 1][axis]
-            facts.append(compared(Relation(2 * names[0] - names[1] - names[2], "=", sp.S.Zero), gap, 0))
+    for axis, name in enumerate(("delta_x", "delta_y")):
+        d = {n: symbol(name, str(n)) for n in VEHICLES}
+        values = {d[n]: offsets[n - 1][axis] for n in VEHICLES}
+        facts += [compared(Relation(2 * d[middle] - d[a] - d[b], "=", 0), values) for middle, a, b in sides]
     return Claim("table-2", Kind.PAPER, tuple(facts))

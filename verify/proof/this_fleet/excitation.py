@@ -22,6 +22,7 @@ from ..method.inferences import compared
 from ..method.symbols import symbol
 
 SAMPLES = 200  # per harmonic and period: the supremum is then known to 1.3e-4
+EXCESS = sp.Rational(10**8 + 1, 10**8)  # of a certified bound over the supremum, at most
 
 
 def rate_power(psi: Excitation, turns: Fraction) -> tuple[Fraction, int] | None:
@@ -68,8 +69,8 @@ def assumption_3(psi: Excitation) -> Claim:
     mu, (q, power) = symbol("mu"), rate_power(psi, 1 / psi.frequency) or (Fraction(0), 0)
     with precise():
         sampled = power_of_samples(psi.derivative())
-        exciting = compared(Relation(mu, ">", sp.S.Zero), times_power_of_pi((q, power)), 0)
-        twice = _same("mu", times_power_of_pi((q, power)), sampled)
+        exact = times_power_of_pi((q, power))
+        exciting, twice = compared(Relation(mu, ">", 0), {mu: exact}), _same("mu", exact, sampled)
         bounds = [fact for row in _bounds(psi) for fact in _bounded(*row)]
     return Claim("A3", Kind.FLEET, (exciting, twice, *bounds))
 
@@ -82,38 +83,31 @@ def _bounds(psi: Excitation) -> list[tuple[str, Excitation, Fraction]]:
 
 def _bounded(name: str, psi: Excitation, bound: Fraction) -> tuple[Fact, Fact]:
     """The certified bound lies between the largest sample and what the samples leave possible."""
-    largest = max((abs(value) for value in samples(psi)), key=float)
-    reach = (arb.pi() / SAMPLES).cos()
     letter, found = symbol(name), symbol("largest_sample")
-    slack = 1 + ball(Fraction(1, 10**8))  # the excess that the certified bound may have
-    return (
-        compared(Relation(found, "<=", letter), largest, bound),
-        compared(
-            Relation(letter, "<=", found * sp.Rational(10**8 + 1, 10**8) / sp.cos(sp.pi / SAMPLES)),
-            bound,
-            largest * slack / reach,
-        ),
-    )
+    values = {letter: bound, found: max((abs(value) for value in samples(psi)), key=float)}
+    most = found * EXCESS / sp.cos(sp.pi / SAMPLES)
+    return compared(Relation(found, "<=", letter), values), compared(Relation(letter, "<=", most), values)
 
 
 def _same(name: str, one: Ball, other: Ball) -> Fact:
     """Two computations of a number differ by less than 1e-30 of it."""
-    relation = Relation(sp.Abs(symbol(name) - symbol(f"{name}_sampled")), "<=", symbol(name) * sp.Rational(1, 10**30))
-    return compared(relation, abs(one - other), one * ball(Fraction(1, 10**30)))
+    exact, sampled = symbol(name), symbol(f"{name}_sampled")
+    relation = Relation(sp.Abs(exact - sampled), "<=", exact * sp.Rational(1, 10**30))
+    return compared(relation, {exact: one, sampled: other})
 
 
 def window_number(psi: Excitation) -> Claim:
     """nu over one period: positive, the same from samples, and at least what L10 gives."""
     mean = Excitation(psi.mean, psi.frequency, ())
-    nu, q = symbol("nu"), times_power_of_pi
+    nu, below, q = symbol("nu"), symbol("nu_L10"), times_power_of_pi
     with precise():
         exact, mu, period = q(variance(psi)), q(psi.power()), 2 * arb.pi() / ball(psi.frequency)
         sampled = power_of_samples(psi) - ball(mean.mean) ** 2 * period
         stretch = min(period / 2, steep_stretch(period, mu, ball(psi.derivative_bounds[1])), key=float)
         least = variance_bound(period, mu, stretch)
         facts = (
-            compared(Relation(nu, ">", sp.S.Zero), exact, 0),
+            compared(Relation(nu, ">", 0), {nu: exact}),
             _same("nu", exact, sampled),
-            compared(Relation(symbol("nu_L10"), "<=", nu), least, exact),
+            compared(Relation(below, "<=", nu), {below: least, nu: exact}),
         )
     return Claim("nu", Kind.FLEET, facts)

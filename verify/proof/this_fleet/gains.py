@@ -32,11 +32,8 @@ def assumption_2(fleet: Fleet, gains: Gains) -> Claim:
     scales = gains.saturation.columns(len(fleet))
     least = {name: min(getattr(gains, name)) for name in GAIN_NAMES} | {name: min(scales[name]) for name in SCALE_NAMES}
     letters = (*GAIN_NAMES, "l", "rho", "s", "o")
-    facts = (
-        compared(Relation(symbol(letter, "min"), ">", 0), Fraction(value), 0)
-        for letter, value in zip(letters, least.values(), strict=True)
-    )
-    return Claim("A2", Kind.FLEET, tuple(facts))
+    values = {symbol(letter, "min"): Fraction(value) for letter, value in zip(letters, least.values(), strict=True)}
+    return Claim("A2", Kind.FLEET, tuple(compared(Relation(letter, ">", 0), values) for letter in values))
 
 
 # -- (d): torques -----------------------------------------------------------------------------------------------------
@@ -48,7 +45,8 @@ def torques(fleet: Fleet, gains: Gains, psi: Excitation, part_d: Claim) -> Claim
     found = conditions.condition_16_star(conditions.exact_numbers(), data, gains)
     worst = max(range(len(fleet)), key=lambda n: found.small[n] / found.large[n])
     names = symbol("T", str(worst + 1)), symbol("tau_max", str(worst + 1))
-    met = compared(Relation(names[0], "<=", names[1]), found.small[worst], found.large[worst], of=fleet.names[worst])
+    values = dict(zip(names, (found.small[worst], found.large[worst]), strict=True))
+    met = compared(Relation(names[0], "<=", names[1]), values, of=fleet.names[worst])
     shown = () if met.holds else (_reached(BallFleet(fleet, gains, psi), worst, found.large[worst]),)
     return Claim("torques", Kind.FLEET, (met, *shown, *map(restated, part_d.facts[-2:])))
 
@@ -60,8 +58,9 @@ def _reached(data: BallFleet, vehicle: int, limit: Fraction) -> Fact:
         reached = [abs(data.torques(peak, data.worst_state(vehicle, wheel, peak))[wheel][vehicle]) for wheel in (0, 1)]
         most = max(reached, key=float)
         name, index = data.fleet.names[vehicle], str(vehicle + 1)
-        relation = Relation(sp.Abs(symbol("tau", index)), "<=", symbol("tau_max", index))
-        return compared(relation, most, limit, {symbol("psi"): text(peak)}, of=name)
+        names = sp.Abs(symbol("tau", index)), symbol("tau_max", index)
+        values = dict(zip(names, (most, limit), strict=True))
+        return compared(Relation(names[0], "<=", names[1]), values, {symbol("psi"): text(peak)}, name)
 
 
 def _peak_time(psi: Excitation) -> Ball:
@@ -87,18 +86,14 @@ def limits(fleet: Fleet, gains: Gains, psi: Excitation, part_f: Claim) -> Claim:
         "v": conditions.pulling_bound(numbers, data, gains) < gains.d_v,
         "omega": conditions.turning_bound(numbers, data, gains) < gains.d_omega,
     }
-    facts = [
-        compared(Relation(symbol("certified", letter), ">=", 0), int(np.sum(met)), 0)
-        for letter, met in certified.items()
-    ]
+    counts = {symbol("certified", letter): int(np.sum(met)) for letter, met in certified.items()}
+    facts = [compared(Relation(count, ">=", 0), counts) for count in counts]
     for name, condition in CONDITIONS.items():
-        letter = LIMITS[name]
         asked = np.flatnonzero(np.asarray(getattr(data, name) != np.inf, dtype=bool))
         if len(asked):
             met = np.asarray(condition(numbers, data, gains).holds, dtype=bool)[asked]
-            facts.append(
-                compared(Relation(symbol("met", letter), "=", symbol("asked", letter)), int(np.sum(met)), len(asked))
-            )
+            kept, all_ = symbol("met", LIMITS[name]), symbol("asked", LIMITS[name])
+            facts.append(compared(Relation(kept, "=", all_), {kept: int(np.sum(met)), all_: len(asked)}))
     return Claim("speed-limits", Kind.FLEET, (*facts, *map(restated, part_f.facts[-2:])))
 
 
@@ -121,8 +116,8 @@ def lemma_constants(fleet: Fleet, gains: Gains, psi: Excitation) -> Claim:
     rows = {name: np.max(value) for name, value in found.items()}
     if len(fleet) <= EXACT_VEHICLES:
         rows |= _dichotomy(fleet, setting, period, rows)
-    facts = (compared(Relation(symbol(name), ">", 0), arb(float(value)), 0) for name, value in rows.items())
-    return Claim("constants", Kind.FLEET, tuple(facts))
+    values = {symbol(name): arb(float(value)) for name, value in rows.items()}
+    return Claim("constants", Kind.FLEET, tuple(compared(Relation(letter, ">", 0), values) for letter in values))
 
 
 def _setting(fleet: Fleet, gains: Gains, psi: Excitation) -> constants.Setting:

@@ -36,39 +36,34 @@ class Flow(NamedTuple):
 
 def assumption_1(graph: Graph) -> Claim:
     """(A1): weights are positive and every vehicle hears the leader over some path."""
-    lost, none = int(np.sum(graph.leader_tree() < 0)), symbol("vehicles_without_path")
-    least = min([*graph.weight, Fraction(1)])
-    return Claim(
-        "A1",
-        Kind.FLEET,
-        (
-            compared(Relation(none, "=", 0), lost, 0),
-            compared(Relation(symbol("a", "min"), ">", 0), least, 0),
-            compared(Relation(symbol("a", "lmin"), ">=", 0), min(graph.leader_weight), 0),
-        ),
-    )
+    lost, edge, led = symbol("vehicles_without_path"), symbol("a", "min"), symbol("a", "lmin")
+    values = {
+        lost: int(np.sum(graph.leader_tree() < 0)),
+        edge: min([*graph.weight, Fraction(1)]),
+        led: min(graph.leader_weight),
+    }
+    wanted = Relation(lost, "=", 0), Relation(edge, ">", 0), Relation(led, ">=", 0)
+    return Claim("A1", Kind.FLEET, tuple(compared(relation, values) for relation in wanted))
 
 
 def kappa(graph: Graph) -> Claim:
     """kappa_cut > 0: exact for small fleets, enclosed for large ones."""
     cut = symbol("kappa_cut")
     if graph.vehicles > EXACT_VEHICLES:
-        low, high = tree_bound(graph), min(graph.degree)
-        facts = (
-            compared(Relation(cut, ">", 0), low, 0),
-            compared(Relation(symbol("kappa_low"), "<=", symbol("kappa_high")), low, high),
-        )
-        return Claim("kappa-cut", Kind.FLEET, facts)
-    value, beyond = least_cut(graph)
-    fed = sum(supports_flow(graph, vehicle, value) for vehicle in range(graph.vehicles))
-    found = [
-        compared(Relation(cut, ">", 0), value, 0),
-        compared(Relation(symbol("cut_of_S"), "=", cut), cut_weight(graph, beyond), value),
-        compared(Relation(symbol("vehicles_fed"), "=", symbol("N")), fed, graph.vehicles),
-    ]
+        low, high = symbol("kappa_low"), symbol("kappa_high")
+        values = {low: tree_bound(graph), high: min(graph.degree)}
+        wanted = [Relation(low, ">", 0), Relation(low, "<=", high)]
+    else:
+        value, beyond = least_cut(graph)
+        at_s, fed, vehicles = symbol("cut_of_S"), symbol("vehicles_fed"), symbol("N")
+        values = {cut: value, at_s: cut_weight(graph, beyond), vehicles: graph.vehicles}
+        values[fed] = sum(supports_flow(graph, vehicle, value) for vehicle in range(graph.vehicles))
+        wanted = [Relation(cut, ">", 0), Relation(at_s, "=", cut), Relation(fed, "=", vehicles)]
     if graph.vehicles <= ENUMERATED_VEHICLES:
-        found.append(compared(Relation(symbol("least_of_all_sets"), "=", cut), enumerated_cut(graph), value))
-    return Claim("kappa-cut", Kind.FLEET, tuple(found))
+        least = symbol("least_of_all_sets")
+        values[least] = enumerated_cut(graph)
+        wanted.append(Relation(least, "=", cut))
+    return Claim("kappa-cut", Kind.FLEET, tuple(compared(relation, values) for relation in wanted))
 
 
 def cut_weight(graph: Graph, chosen: Iterable[int]) -> Fraction:
