@@ -12,8 +12,11 @@ from gaincert.reports.proof.letters import letter_of
 from gaincert.reports.proof.notation import latex, mathml
 from gaincert.reports.proof.statements import expressions, inner_steps
 from gaincert.reports.proof.words import ALL
+from gaincert.verify.proof import prove
 from gaincert.verify.proof.claim import Kind, Status
 from gaincert.verify.proof.method.fleet_symbols import generic
+
+from tests.campaigns.proof_verdicts import strained_fleet
 
 
 @pytest.fixture(scope="module")
@@ -116,6 +119,12 @@ def test_svg_and_html_are_well_formed(documents):
     assert "http://" not in html.replace("http://www.w3.org", "")
     assert html.count("<math") > 20
     assert html.count("<math") == html.count("</math>")
+
+
+def test_a_fleet_with_scales_and_every_limit_is_reported():
+    shown = proof_report.render("proof.md", prove(*strained_fleet()))
+    limits = ("speed", "turn rate", "wheel speed", "acceleration", "turn acceleration")
+    assert [name for name in limits if f"{name} limit" not in shown] == []
 
 
 def test_hostile_names_are_escaped(hostile_claims, tmp_path):

@@ -111,6 +111,7 @@ def compared(
 
     Shown with the point that the values belong to, and with the name of what they are `of`.
     """
+    relation = Relation(sp.sympify(relation.left), relation.sign, sp.sympify(relation.right))
     left, right, method = _sides(relation, values)
     signs = {"<=": left <= right, "<": left < right, ">=": left >= right, ">": left > right, "=": left == right}
     against = {"<=": left > right, "<": left >= right, ">=": left < right, ">": left <= right, "=": left != right}
@@ -123,7 +124,7 @@ def compared(
 def _sides(relation: Relation, values: Mapping[Expr, Value]) -> tuple[Value, Value, Method]:
     """Both sides as fractions where every value is one and no irrational function is applied, else as balls."""
     exact = {s: sp.Rational(int(q.numerator), int(q.denominator)) for s, q in values.items() if not isinstance(q, arb)}
-    sides = [sp.sympify(side) for side in (relation.left, relation.right)]
+    sides = relation.left, relation.right
     numbers = [side.xreplace(exact) for side in sides]
     if all(number.is_Rational for number in numbers):
         left, right = (Fraction(int(number.p), int(number.q)) for number in numbers)

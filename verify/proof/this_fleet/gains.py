@@ -17,7 +17,6 @@ from ....models.gains import GAIN_NAMES, Gains
 from ....models.saturation import SCALE_NAMES
 from .. import constants
 from ..claim import Claim, Fact, Kind, Relation
-from ..lemmas.torques import LIMITS
 from ..method.ball import Ball, ball, precise, text
 from ..method.fleet_balls import BallFleet
 from ..method.inferences import compared
@@ -92,8 +91,10 @@ def limits(fleet: Fleet, gains: Gains, psi: Excitation, part_f: Claim) -> Claim:
         asked = np.flatnonzero(np.asarray(getattr(data, name) != np.inf, dtype=bool))
         if len(asked):
             met = np.asarray(condition(numbers, data, gains).holds, dtype=bool)[asked]
-            kept, all_ = symbol("met", LIMITS[name]), symbol("asked", LIMITS[name])
-            facts.append(compared(Relation(kept, "=", all_), {kept: int(np.sum(met)), all_: len(asked)}))
+            counts = {symbol("met"): int(np.sum(met)), symbol("asked"): len(asked)}
+            facts.append(
+                compared(Relation(symbol("met"), "=", symbol("asked")), counts, of=f"{name.replace('_', ' ')} limit")
+            )
     return Claim("speed-limits", Kind.FLEET, (*facts, *map(restated, part_f.facts[-2:])))
 
 
