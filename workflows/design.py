@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from ..models.tolerance import Tolerance
     from ..reports.obstacles import Obstacle
     from ..synthesis.design import Design
+    from ..synthesis.settings import Settings
     from ..verify.certificates.certify import Certificate
 
 
@@ -36,6 +37,7 @@ class DesignOptions:
     tolerance: Tolerance
     torque_factor: float
     box: float | None  # m
+    settings: Settings | None = None  # the numbers of the search; None: those of the mode
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,17 @@ def design_fleet(
     certificate = certify_gains(printer, fleet, gains, design.conditions.name, folder)
     if stale := stale_files(folder, Digests.of_json(document)):
         printer.say(f"note: {say_stale(stale)}")
-    return Designed(design, document, certificate, obstacles_of(printer, fleet, gains, design.tolerance))
+    obstacles = [*obstacles_of(printer, fleet, gains, design.tolerance), *_control_rate(design)]
+    return Designed(design, document, certificate, obstacles)
+
+
+def _control_rate(design: Design) -> list[Obstacle]:
+    """The sample time of the fleet against the largest with which the design settles."""
+    from ..reports.obstacles import of_control_rate
+
+    table = design.fleet.disturbance
+    sample_time = float(table.sample_time) if table and table.sample_time else None
+    return of_control_rate(sample_time, design.largest_sample_time)
 
 
 def gains_of(design: Design) -> GainsFile:

@@ -34,17 +34,6 @@ EXAMPLES = ROOT / "examples"
 HEAVY = ("casadi", "cvxpy", "clarabel", "sympy", "matplotlib", "jax")
 
 
-@pytest.fixture(scope="module")
-def out(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The paper's fleet through the whole pipeline."""
-    folder = tmp_path_factory.mktemp("run")
-    done = gaincert("run", EXAMPLES / "paper.toml", "-o", folder, "--json")
-    assert done.returncode == 0, done.stderr
-    (folder / "stdout.json").write_text(done.stdout)
-    return folder
-
-
-@pytest.mark.slow
 def test_run_leaves_every_file_of_the_contract(out: Path) -> None:
     for name in ("design.json", "gains.csv", "certificate.json", "proof.json", "proof.md", "proof.html", "proof.tex"):
         assert (out / name).stat().st_size > 0, name
@@ -56,7 +45,6 @@ def test_run_leaves_every_file_of_the_contract(out: Path) -> None:
     assert not [path.name for path in out.rglob(".*")]  # no temporary file is left
 
 
-@pytest.mark.slow
 def test_run_prints_one_document_and_the_fleet_settles(out: Path) -> None:
     document = json.loads((out / "stdout.json").read_text())
     summary = json.loads((out / "summary.json").read_text())
@@ -67,7 +55,6 @@ def test_run_prints_one_document_and_the_fleet_settles(out: Path) -> None:
     assert document["certificate"]["valid"]
 
 
-@pytest.mark.slow
 def test_gains_csv_and_design_json_agree_and_can_be_read_back(out: Path) -> None:
     design = json.loads((out / "design.json").read_text())
     with (out / "gains.csv").open() as file:
@@ -91,7 +78,6 @@ def excitation_table(table: dict[str, object]) -> str:
     return "\n[excitation]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
 
 
-@pytest.mark.slow
 def test_the_certificate_verifies_and_belongs_to_its_fleet(out: Path) -> None:
     certificate = out / "certificate.json"
     assert gaincert("verify", certificate).returncode == 0
@@ -105,7 +91,6 @@ def test_the_certificate_verifies_and_belongs_to_its_fleet(out: Path) -> None:
     assert alone.returncode == 0, alone.stdout + alone.stderr
 
 
-@pytest.mark.slow
 def test_trajectory_has_the_arrays_of_the_contract(out: Path) -> None:
     with np.load(out / "trajectory.npz", allow_pickle=False) as run:
         count = len(run["t"])

@@ -1,15 +1,20 @@
 """Verbs together: they fail before the work begins, leave matching files, and end with the right exit code."""
 
+import contextlib
+import io
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from gaincert.console import Printer
 from gaincert.models.files.templates import template_text
 from gaincert.reports.deployment import load_deployment
 from gaincert.reports.results import current_digests, stale_files
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis.settings import MODES
 from gaincert.verify import proof
+from gaincert.workflows.design import DesignOptions, design_fleet
 from gaincert.workflows.inputs import read_fleet
 
 from tests.cli.command_line import Done, gaincert
@@ -86,25 +91,35 @@ def test_every_file_of_a_run_carries_the_digests_of_fleet_and_gains(designed: tu
     assert stale_files(folder / "out", expected) == []
 
 
-def test_a_design_into_a_folder_with_older_runs_says_so(designed: tuple[Path, Done], tmp_path: Path) -> None:
+def test_a_design_into_a_folder_with_older_runs_says_so(
+    designed: tuple[Path, Done], options: DesignOptions, tmp_path: Path
+) -> None:
     folder, _ = designed
     out = tmp_path / "out"
     out.mkdir()
     for name in ("summary", "validation"):
         (out / f"{name}.json").write_text(json.dumps({"fleet_digest": "sha256:a", "gains_digest": "sha256:b"}))
-    done = gaincert("design", folder / "fleet.toml", "-o", out, "--conditions", "corrected", "--digits", 3)
-    assert done.returncode == 0, done.stderr
+    printer = Printer(False, False, False)
+    with contextlib.redirect_stdout(io.StringIO()) as printed:
+        design_fleet(
+            printer, read_fleet(folder / "fleet.toml"), replace(options, conditions="corrected", digits=3), out
+        )
     line = "note: summary.json, validation.json are from other gains or another fleet: run gaincert simulate, "
-    assert line + "gaincert validate again" in done.stdout
+    assert line + "gaincert validate again" in printed.getvalue()
 
 
-def test_a_design_keeps_to_its_share_of_the_torque_limits(designed: tuple[Path, Done], tmp_path: Path) -> None:
+def test_a_design_keeps_to_its_share_of_the_torque_limits(
+    designed: tuple[Path, Done], options: DesignOptions, tmp_path: Path
+) -> None:
     folder, _ = designed
-    options = ("--conditions", "corrected", "--torque-factor", 0.3, "--json")
-    done = gaincert("design", folder / "fleet.toml", "-o", tmp_path, *options)
-    assert done.returncode == 0, done.stderr
-    document = json.loads(done.stdout)
-    assert document["torque_factor"] == 0.3
+    printer = Printer(False, True, False)
+    made = design_fleet(
+        printer,
+        read_fleet(folder / "fleet.toml"),
+        replace(options, conditions="corrected", torque_factor=0.3),
+        tmp_path,
+    )
+    assert made.document["torque_factor"] == 0.3
     used = max(float(bound) for bound in load_deployment(tmp_path, read_fleet(folder / "fleet.toml")).torque_bounds)
     assert 0 < used <= 0.3 * 12
     refused = gaincert("design", folder / "fleet.toml", "-o", tmp_path, "--torque-factor", 1.5)
