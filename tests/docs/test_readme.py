@@ -75,7 +75,7 @@ def test_the_bounds_in_the_gain_table_follow_from_its_gains(paper: Fleet) -> Non
     bound, limit, margin = columns[-3:]  # between them the scales s and o, which are in no torque condition
     assert bound == pytest.approx(torque_bound(float_numbers(), limits, gains), rel=2e-3)
     assert limit == pytest.approx(limits.torque)
-    assert margin == pytest.approx(limit - bound, rel=1e-3)
+    assert margin == pytest.approx(limit - bound, abs=0.05)
 
 
 @pytest.mark.slow
