@@ -24,6 +24,7 @@ class Template(StrEnum):
 class Mode(StrEnum):
     """How long `design` searches."""
 
+    draft = "draft"
     fast = "fast"
     best = "best"
 
@@ -153,7 +154,7 @@ CertifiedConditions = Annotated[
     Conditions | None,
     typer.Option("--conditions", help="the condition set [default: the one in the gains file, else paper]"),
 ]
-ModeOption = Annotated[Mode, typer.Option(help="fast: some seconds; best: until the time limit")]
+ModeOption = Annotated[Mode, typer.Option(help="draft: some seconds; fast: a minute; best: until the time limit")]
 ExcitationOption = Annotated[
     Source | None, typer.Option(help="psi of the fleet file, or a designed one [default: given if the file has one]")
 ]

@@ -84,7 +84,7 @@ def design(
     Args:
         fleet: the fleet.
         conditions: "paper" for (15) and (16), "corrected" for (16*), "rate-bounded" for (15') and (16*).
-        mode: "fast" for the averaged program, ranked by simulation, and a short search; "best" to search on.
+        mode: "draft" for a search of some seconds, "fast" for one of a minute, "best" for one until the time limit.
         excitation: "given" or "designed"; None takes the fleet's own where it has one.
         saturation: "given", "designed" or "unit" (the paper's controller); None takes the fleet's own where it has any.
         weights: "given" for the fleet's own a_ij and a_il, "designed" for better ones on the same links.

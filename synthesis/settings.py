@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 @dataclass(frozen=True)
 class Settings:
-    """The numbers of the design and its search. FAST and BEST are those of the two modes."""
+    """The numbers of the design and its search. DRAFT, FAST and BEST are those of the three modes."""
 
     # How long the search goes on. It counts work, not time, so that its result is the same on every machine.
     work: float = 5e9  # evaluations of one vehicle's controller, 20 ns each: 50 s on two cores; 0: no search
@@ -23,6 +23,7 @@ class Settings:
     training_starts: int = 160  # far ones that the strategies learn from, generation after generation others of them
     heldout_starts: int = 48  # far ones on which new candidates are compared: the training starts flatter them
     ranking_starts: int = 100  # far ones of the ranking in the end
+    ranking_work: float = 1e9  # evaluations after which the ranking does not wait for more starts to settle
     explored_starts: int = 6  # far ones per random candidate of the exploration
     learned_starts: int = 12  # far ones of a generation
     near_share: float = 1 / 3  # near starts per far start
@@ -89,6 +90,16 @@ class Settings:
 
 
 FAST = Settings()
+DRAFT = replace(
+    FAST,
+    work=4e8,
+    explored=120,
+    basins=2,
+    generations=3,
+    training_starts=24,
+    heldout_starts=8,
+    ranking_starts=12,
+)
 BEST = replace(FAST, separate_gains=True, keep_on_interrupt=True, explored=960, basins=8, scalars_share=0.4)
-MODES = {"fast": FAST, "best": BEST}
+MODES = {"draft": DRAFT, "fast": FAST, "best": BEST}
 WORK_PER_SECOND = 1.5e8  # of two cores, which a time limit is translated with

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from ..models.tolerance import Tolerance
     from ..reports.obstacles import Obstacle
     from ..synthesis.design import Design
-    from ..synthesis.settings import Settings
     from ..verify.certificates.certify import Certificate
 
 
@@ -37,7 +36,6 @@ class DesignOptions:
     tolerance: Tolerance
     torque_factor: float
     box: float | None  # m
-    settings: Settings | None = None  # the numbers of the search; None: those of the mode
 
 
 @dataclass(frozen=True)

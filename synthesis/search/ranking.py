@@ -77,11 +77,14 @@ def _settled(
     way = task.half_width / float(np.min(task.data.speed))
     horizon = way + settings.first_horizon * task.typical.time
     longest = way + settings.longest_horizon * task.typical.time
+    work = 0.0
     while True:
         outcomes = measure_all(task.setup, controls, starts, horizon, executor)
+        work += float(outcomes.work.sum())
         costs = cost(outcomes.time, outcomes.excess, horizon, settings)
         late = np.isinf(outcomes.time[np.argmin(costs)]).any()
-        if not late or horizon >= min(longest, settings.ranked_horizon * costs.min()):
+        enough = horizon >= min(longest, settings.ranked_horizon * costs.min()) or work > settings.ranking_work
+        if not late or enough:
             return horizon, costs, outcomes.time
         horizon = min(2 * horizon, longest)
 
@@ -91,7 +94,7 @@ def largest_sample_time(
 ) -> float | None:
     """The largest of some sample times up to which all starts settle by the horizon (s); None where none does.
 
-    The sample times are the fleet's own, multiplied or divided by powers of 10^(1/10).
+    The sample times are the fleet's own, multiplied or divided by powers of 10^(1/10). Shorter ones are bisected.
     """
     controls, nowhere = controls_of([candidate]), far[..., :0]
 
@@ -107,8 +110,13 @@ def largest_sample_time(
     if settles(0):
         last = next((step - 1 for step in range(1, most) if not settles(step)), most - 1)
         return sample_time(last)
-    shorter = next((step for step in range(-1, -most, -1) if settles(step)), None)
-    return None if shorter is None else sample_time(shorter)
+    if not settles(-most):
+        return None
+    low, high = -most, 0
+    while high - low > 1:
+        middle = (low + high) // 2
+        low, high = (middle, high) if settles(middle) else (low, middle)
+    return sample_time(low)
 
 
 def _resampled(setup: Setup, factor: float) -> Setup:

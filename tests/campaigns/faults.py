@@ -36,7 +36,7 @@ LONGEST = 600.0  # s that any command may take
 POLL = 0.1  # s
 ARRAYS = ("x", "y", "theta", "v", "omega", "tau_left", "tau_right")
 COMMANDS: dict[str, list[str]] = {
-    "run": ["run", "{fleet}", "-o", "{folder}", "--conditions", "corrected"],
+    "run": ["run", "{fleet}", "-o", "{folder}", "--conditions", "corrected", "--mode", "draft"],
     "design": [
         "design",
         "{fleet}",
@@ -116,7 +116,17 @@ class Bench:
         """The command line of a job that writes into a folder."""
         gains = self.place / "gains" / "design.json"
         if name == "validate" and not gains.exists():
-            design = ["design", str(self.fleet), "-o", str(gains.parent), "--conditions", "corrected", "-q"]
+            design = [
+                "design",
+                str(self.fleet),
+                "-o",
+                str(gains.parent),
+                "--conditions",
+                "corrected",
+                "--mode",
+                "draft",
+                "-q",
+            ]
             subprocess.run([sys.executable, "-m", "gaincert", *design], check=True, cwd=ROOT)
         words = [word.format(fleet=self.fleet, folder=folder, gains=gains) for word in COMMANDS[name]]
         return [sys.executable, "-m", "gaincert", *words]

@@ -2,13 +2,11 @@
 
 import contextlib
 import io
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
 from gaincert.console import Printer
 from gaincert.models.tolerance import Tolerance
-from gaincert.synthesis.settings import FAST, Settings
 from gaincert.workflows.design import DesignOptions
 from gaincert.workflows.inputs import read_fleet
 from gaincert.workflows.run import Pipeline
@@ -18,16 +16,10 @@ PAPER = Path(__file__).parents[2] / "examples" / "paper.toml"
 
 
 @pytest.fixture(scope="session")
-def short() -> Settings:
-    """A search of a second, for tests of what is done with its result."""
-    return replace(FAST, work=1e6, explored=8, ranking_starts=2, generations=1, training_starts=2, heldout_starts=2)
-
-
-@pytest.fixture(scope="session")
-def options(short: Settings) -> DesignOptions:
-    """Such a search under the paper's conditions."""
+def options() -> DesignOptions:
+    """A short search under the paper's conditions."""
     return DesignOptions(
-        mode="fast",
+        mode="draft",
         conditions="paper",
         excitation=None,
         saturation=None,
@@ -38,7 +30,6 @@ def options(short: Settings) -> DesignOptions:
         tolerance=Tolerance(),
         torque_factor=1.0,
         box=None,
-        settings=short,
     )
 
 

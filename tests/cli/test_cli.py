@@ -227,7 +227,7 @@ def test_a_design_is_compared_with_other_gains_from_the_same_starts(tmp_path: Pa
     assert gaincert("init", fleet, "--template", "line", "--vehicles", "1").returncode == 0
     gains = tmp_path / "mine.toml"
     gains.write_text("p_v = 0.4\nd_v = 1\np_omega = 0.1\nd_omega = 0.3\nk_alpha = 0.1\n")
-    options = ("--conditions", "corrected", "--against", gains, "--json")
+    options = ("--conditions", "corrected", "--mode", "draft", "--against", gains, "--json")
     done = gaincert("design", fleet, "-o", tmp_path / "out", *options)
     assert done.returncode == 2  # gains need the psi that they are for
     assert not (tmp_path / "out").exists()

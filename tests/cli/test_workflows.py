@@ -33,7 +33,7 @@ def designed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
     """A design for one robot, and the printed text."""
     folder = tmp_path_factory.mktemp("designed")
     (folder / "fleet.toml").write_text(template_text("line", 1))
-    done = gaincert("design", "fleet.toml", "-o", "out", "--conditions", "corrected", cwd=folder)
+    done = gaincert("design", "fleet.toml", "-o", "out", "--conditions", "corrected", "--mode", "draft", cwd=folder)
     assert done.returncode == 0, done.stderr
     return folder, done
 

@@ -38,7 +38,7 @@ from gaincert.synthesis.rollouts.settling import Outcomes
 from gaincert.synthesis.rounding import floor_digits, rounded
 from gaincert.synthesis.scaled_gains import Scalars, structured, within
 from gaincert.synthesis.search import ranking
-from gaincert.synthesis.settings import BEST, FAST, MODES, WORK_PER_SECOND, Settings
+from gaincert.synthesis.settings import BEST, DRAFT, FAST, MODES, WORK_PER_SECOND, Settings
 from gaincert.synthesis.task import Candidate, Options, Task, prepare
 
 TINY = replace(
@@ -231,11 +231,10 @@ def test_designed_weights_raise_the_slowest_mode_on_the_same_links() -> None:
 def test_the_papers_fleet_settles(name: str, own_limit: float, other_limit: float) -> None:
     """From the paper's start and from four random starts that the design has not seen."""
     fleet = paper_fleet()
-    settings = replace(FAST, work=2e8, explored=60, exploration_batch=60, heldout_starts=12, ranking_starts=24)
     with local() as (executor, _):
-        made = design(fleet, conditions=name, excitation="designed", settings=settings, executor=executor)
+        made = design(fleet, conditions=name, excitation="designed", settings=DRAFT, executor=executor)
     assert all(np.all(inequality.holds) for inequality in made.inequalities())
-    task = prepare(fleet, Options(name, "designed"), settings)
+    task = prepare(fleet, Options(name, "designed"), DRAFT)
     starts = StartSet.both(task.far_starts(Draw.VALIDATION, 5))
     found = measure_all(task.setup, controls_of([Candidate("", made.gains, made.excitation)]), starts, 3000.0, None)
     for times in found.time.reshape(2, 5):  # continuous torques, and those that are held
@@ -310,8 +309,8 @@ def test_what_a_design_is_asked_for_reaches_its_task(monkeypatch: pytest.MonkeyP
     for mode in MODES:
         with pytest.raises(InfeasibleError):
             design(paper_fleet(), mode=mode, time_limit=100.0, **asked)
-    assert [options for options, _ in tasks] == [Options(**asked)] * 2
-    assert [settings for _, settings in tasks] == [FAST, replace(BEST, work=100 * WORK_PER_SECOND)]
+    assert [options for options, _ in tasks] == [Options(**asked)] * 3
+    assert [settings for _, settings in tasks] == [DRAFT, FAST, replace(BEST, work=100 * WORK_PER_SECOND)]
 
 
 @pytest.mark.parametrize("factor", [0.01, 0.5, 1.0])
