@@ -23,25 +23,30 @@ from .task import Candidate, Proposal
 
 
 class StartSet(NamedTuple):
-    """Starts for the ideal robot and for the one whose torques are held, (5, N, S) singles each."""
+    """Starts for the ideal robot and for the one whose torques are held, (5, N, S) singles each.
+
+    From the near ones the fleet has to settle within a part of the tolerance (`Setup.near`).
+    """
 
     continuous: Array
     sampled: Array
+    near_continuous: Array | None = None
+    near_sampled: Array | None = None
 
     @classmethod
-    def halves(cls, starts: Array) -> StartSet:
+    def halves(cls, far: Array, near: Array | None = None) -> StartSet:
         """Every other start for one of them, so that each start is simulated once."""
-        return cls(starts[..., ::2], starts[..., 1::2])
+        return cls(far[..., ::2], far[..., 1::2], *_halves(near))
 
     @classmethod
-    def both(cls, starts: Array) -> StartSet:
-        """All starts for both."""
-        return cls(starts, starts)
+    def both(cls, far: Array, near: Array | None = None) -> StartSet:
+        """All far starts for both, every other near one for one of them."""
+        return cls(far, far, *_halves(near))
 
-    @staticmethod
-    def joined(sets: Sequence[StartSet]) -> StartSet:
-        """Several sets as one."""
-        return StartSet(*(np.concatenate(starts, axis=-1) for starts in zip(*sets, strict=True)))
+
+def _halves(starts: Array | None) -> tuple[Array | None, Array | None]:
+    """Every other start, and the rest."""
+    return (None, None) if starts is None else (starts[..., ::2], starts[..., 1::2])
 
 
 class Job(NamedTuple):
@@ -65,17 +70,20 @@ def controls_of(controllers: Sequence[Proposal | Candidate]) -> Controls:
 def measure_all(
     setup: Setup, controls: Controls, starts: StartSet, horizon: float, executor: Executor | None
 ) -> Outcomes:
-    """The outcomes (controllers, starts), first the continuous ones; in other processes where there is an executor.
+    """The outcomes (controllers, starts) in the order of a StartSet; in other processes where there is an executor.
 
     They do not depend on how many processes there are.
     """
     workers, fleets = os.cpu_count() or 1 if executor else 1, len(controls.frequency)
     jobs: list[Job] = []
     shapes: list[tuple[int, int]] = []
-    for kind, some in ((Continuous, starts.continuous), (Sampled, starts.sampled)):
+    kinds = [(Continuous, setup), (Sampled, setup), (Continuous, setup.near), (Sampled, setup.near)]
+    for (kind, used), some in zip(kinds, starts, strict=True):
+        if some is None:
+            continue
         rows = _parts(fleets, workers)
         columns = _parts(some.shape[-1], math.ceil(workers / len(rows)))
-        jobs += [Job(kind, setup, controls.take(row), some[..., column], horizon) for row in rows for column in columns]
+        jobs += [Job(kind, used, controls.take(row), some[..., column], horizon) for row in rows for column in columns]
         shapes.append((len(rows), len(columns)))
     with worker_errors():
         done = iter(list(executor.map(run_job, jobs) if executor else map(run_job, jobs)))

@@ -27,7 +27,8 @@ class Settings:
     explored_starts: int = 6  # far ones per random candidate of the exploration
     learned_starts: int = 12  # far ones of a generation
     near_share: float = 1 / 3  # near starts per far start
-    near_errors: float = 2.0  # the largest error of a near start, in tolerances
+    near_errors: float = 1.0  # the largest error of a near start, in tolerances
+    near_tolerance: float = 0.5  # of the tolerance, into which near starts have to settle: no error may freeze there
     near_patterns: float = 0.3  # how far its pattern is from the graph's slowest mode, relative
     starts_vehicles: int = 2000  # in all far starts of a comparison together: a large fleet is simulated from fewer
 

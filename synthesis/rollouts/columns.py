@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -34,6 +34,12 @@ class Setup:
     def vehicles(self) -> int:
         """N."""
         return self.plant.graph.vehicles
+
+    @property
+    def near(self) -> Setup:
+        """The same with the part of the tolerance that near starts have to settle within."""
+        part = self.settings.near_tolerance
+        return replace(self, tolerance=Tolerance(part * self.tolerance.position, part * self.tolerance.heading))
 
     @cached_property
     def goal(self) -> Array:

@@ -30,7 +30,7 @@ class Comparison:
         self._training_near = task.near_starts(Draw.TRAINING, settings.training_starts)
         heldout = task.far_starts(Draw.COMPARISON, settings.heldout_starts)
         near = task.near_starts(Draw.COMPARISON, self._near(heldout.shape[-1]))
-        self._heldout = StartSet.joined([StartSet.both(heldout), StartSet.halves(near)])
+        self._heldout = StartSet.both(heldout, near)
         self._next = 0  # of the training starts
         way = task.half_width / float(np.min(task.data.speed))
         self.horizon = way + settings.first_horizon * task.typical.time  # s, of the exploration
@@ -63,7 +63,7 @@ class Comparison:
         chosen = [(self._next + k) % far.shape[-1] for k in range(min(count, far.shape[-1]))]
         chosen_near = [(self._next + k) % near.shape[-1] for k in range(self._near(count))]
         self._next += 0 if again else count
-        return StartSet.joined([StartSet.halves(far[..., chosen]), StartSet.halves(near[..., chosen_near])])
+        return StartSet.halves(far[..., chosen], near[..., chosen_near])
 
     def _near(self, far: int) -> int:
         """How many near starts go with so many far ones: an even number, so that halves are fair."""

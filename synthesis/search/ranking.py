@@ -39,18 +39,18 @@ def best_of(task: Task, proposals: Sequence[Proposal], executor: Executor | None
     candidates = rounded(task, proposals)
     far = task.far_starts(Draw.RANKING, task.settings.ranking_starts)
     near = task.near_starts(Draw.RANKING, 2 * max(1, round(task.settings.near_share * far.shape[-1] / 2)))
-    starts = StartSet.joined([StartSet.both(far), StartSet.halves(near)])
+    starts = StartSet.both(far, near)
     progress("ranking candidates by simulation", 0.0)
     horizon, costs, time = _settled(task, candidates, starts, executor)
     best = int(np.argmin(costs))
-    count, half = far.shape[-1], starts.continuous.shape[-1]
+    count = far.shape[-1]
     worst = float(time[best].max())
     horizon = min(horizon, PATIENCE * worst)
     progress("measuring the largest sample time", 0.5)
     return Ranked(
         candidate=candidates[best],
         settling=tuple(time[best, :count].tolist()),
-        settling_held=tuple(time[best, half : half + count].tolist()),
+        settling_held=tuple(time[best, count : 2 * count].tolist()),
         largest_sample_time=largest_sample_time(task, candidates[best], far, horizon, executor),
     )
 

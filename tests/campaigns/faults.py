@@ -116,17 +116,8 @@ class Bench:
         """The command line of a job that writes into a folder."""
         gains = self.place / "gains" / "design.json"
         if name == "validate" and not gains.exists():
-            design = [
-                "design",
-                str(self.fleet),
-                "-o",
-                str(gains.parent),
-                "--conditions",
-                "corrected",
-                "--mode",
-                "draft",
-                "-q",
-            ]
+            options = ["-o", str(gains.parent), "--conditions", "corrected", "--mode", "draft", "-q"]
+            design = ["design", str(self.fleet), *options]
             subprocess.run([sys.executable, "-m", "gaincert", *design], check=True, cwd=ROOT)
         words = [word.format(fleet=self.fleet, folder=folder, gains=gains) for word in COMMANDS[name]]
         return [sys.executable, "-m", "gaincert", *words]
