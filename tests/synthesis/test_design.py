@@ -2,6 +2,9 @@
 
 import json
 import math
+import os
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Future, ThreadPoolExecutor
@@ -26,6 +29,7 @@ from gaincert.models.starts import Draw
 from gaincert.models.tolerance import Tolerance
 from gaincert.parallel import local
 from gaincert.synthesis import design as design_module
+from gaincert.synthesis import measurement
 from gaincert.synthesis.design import Design, design
 from gaincert.synthesis.measurement import StartSet, controls_of, measure_all
 from gaincert.synthesis.modes import modes
@@ -540,11 +544,78 @@ def test_designed_scales_are_the_designs_own() -> None:
     assert np.mean(made.settling) < np.mean(unit.settling)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("unit", ["length", "time", "mass"])
+def test_other_units_change_nothing(unit: str) -> None:
+    """The same fleet with a unit half as large: the same times, in the units of time, and as many steps.
+
+    All digits are kept, so that only floating point rounds: by a factor of two not even that.
+    """
+    half = line(**{unit: 2})
+    seconds = 2 if unit == "time" else 1
+    metres = 2 if unit == "length" else 1
+    settings = replace(TINY, sample_time=TINY.sample_time * seconds)
+    first = tiny(line(), digits=17)
+    second = tiny(half, digits=17, tolerance=Tolerance(0.1 * metres, 0.1), box=4.0 * metres, settings=settings)
+    assert max(first.settling) < math.inf
+    assert second.origin == first.origin
+    assert [time / seconds for time in second.settling] == pytest.approx(first.settling, rel=1e-3)
+    assert [time / seconds for time in second.settling_held] == pytest.approx(first.settling_held, rel=1e-3)
+    assert first.largest_sample_time is not None
+    assert second.largest_sample_time == pytest.approx(seconds * first.largest_sample_time)
+    (scale, other), metre = (made.gains.saturation for made in (first, second)), metres
+    assert float(other.position) == pytest.approx(float(scale.position) * metre, rel=1e-6)
+    assert float(other.heading) == pytest.approx(float(scale.heading), rel=1e-6)
+    assert floats(other.speed) == pytest.approx(floats(scale.speed) * metre / seconds, rel=1e-6)
+    force = (2 if unit == "mass" else 1) * metre / seconds**2
+    assert floats(second.gains.p_v) == pytest.approx(floats(first.gains.p_v) * force, rel=1e-6)
+    assert floats(second.gains.k_alpha) == pytest.approx(floats(first.gains.k_alpha) * force * metre, rel=1e-6)
+
+
+@pytest.mark.parametrize("cores", [1, 2, 3, 7])
+def test_outcomes_do_not_depend_on_how_they_are_shared_out(cores: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every controller from every start, the continuous ones first, to the last bit."""
+    task = prepare(line(), Options("corrected", box=4.0), TINY)
+    proposals = [task.proposal("", task.typical.scaled([1, 1, *[factor] * 8])) for factor in (1.0, 0.8, 1.2, 0.6, 1.5)]
+    far = task.far_starts(Draw.TRAINING, 7)
+    starts = StartSet(far[..., :4], far[..., 1:])
+    controls, horizon = controls_of(proposals), 4000 * task.typical.time
+    alone = measure_all(task.setup, controls, starts, horizon, None)
+    monkeypatch.setattr(measurement.os, "cpu_count", lambda: cores)
+    with ThreadPoolExecutor(2) as executor:
+        shared = measure_all(task.setup, controls, starts, horizon, executor)
+    assert alone.time.shape == (5, 10)
+    assert len(np.unique(alone.time)) > 10
+    for one, other in zip(alone, shared, strict=True):
+        assert np.array_equal(one, other)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [1, 3])
+def test_the_design_is_the_same_for_any_number_of_workers(workers: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(measurement.os, "cpu_count", lambda: workers)
+    with local(workers) as (executor, _):
+        made = tiny(line(), executor=executor)
+    assert numbers(made) == numbers(plain())
+
+
 def avx512() -> bool:
     """Whether NumPy uses AVX512 here."""
     from numpy._core._multiarray_umath import __cpu_features__
 
     return bool(__cpu_features__.get("X86_V4") or __cpu_features__.get("AVX512_SKX"))
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not avx512(), reason="the processor lacks AVX512, or NumPy does not use it")
+def test_a_processor_without_avx512_finds_the_same_design() -> None:
+    """NumPy's other code rounds some functions differently; the grids of the search are far coarser."""
+    environment = {**os.environ, "NPY_DISABLE_CPU_FEATURES": "X86_V4 AVX512_ICL AVX512_SPR"}
+    found = subprocess.run([sys.executable, HERE], env=environment, capture_output=True, text=True, timeout=300)
+    assert found.returncode == 0, found.stderr
+    answer = json.loads(found.stdout.splitlines()[-1])
+    assert not answer.pop("avx512")
+    assert answer == numbers(plain())
 
 
 if __name__ == "__main__":

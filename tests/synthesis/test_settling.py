@@ -171,6 +171,21 @@ def test_the_ranking_integrator_is_accurate_enough(task: Task) -> None:
     agree(found.tolist(), true)
 
 
+@pytest.mark.slow
+def test_sampled_rollouts_settle_when_the_verifier_says(task: Task) -> None:
+    """Each with its own noise: the means agree."""
+    starts, (candidate, _) = task.far_starts(Draw.TRAINING, 61)[..., 1:], candidates(task)
+    found = settle_all(Sampled, task.setup, controls_of([candidate]), starts, HORIZON).time[0]
+    ranked = task.setup.disturbance
+    verified = Verified(
+        ranked.sample_time, noise_position=ranked.noise_position, noise_heading=ranked.noise_heading, seed=1
+    )
+    loop = SampledLoop(task.fleet, loop_of(task, candidate), verified, 200.0, task.tolerance)
+    true = loop.outcomes([start_of(starts, k) for k in range(60)]).settling_time
+    assert np.isfinite(true).all()
+    agree(found.tolist(), true.tolist())
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_candidate_is_not_simulated_beyond_its_horizon(task: Task, kind: type[Columns]) -> None:
     """What settles later has not settled; what settles within it does so at the same time under any horizon."""
