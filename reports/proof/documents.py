@@ -1,4 +1,4 @@
-"""The proof report: proof.json, proof.md, proof.html, proof.tex and the dependency graph proof_graph.svg."""
+"""The proof report: proof.json, proof.md, proof.html, proof.tex with its preamble, and the graph proof_graph.svg."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ from typing import Any
 
 from ...models.files.text import write_text
 from ...verify.proof import theorem_proved
-from ...verify.proof.claim import Claim, Fact, Kind, Quotation, Relation, Status
+from ...verify.proof.claim import Claim, Fact, Implication, Kind, Quotation, Relation, Status
 from ...verify.proof.formal import STATEMENT, development
 from .. import rendering
 from . import graph as proof_graph
 from .inline import inline_html, inline_markdown, inline_tex
 from .notation import latex, mathml, meanings
 from .statements import (
+    cancelling,
     expressions,
     in_latex,
     in_mathml,
@@ -31,16 +32,19 @@ from .statements import (
 from .words import ALL, FLEET, LEMMAS, PAPER, method_of, note_of, place_of
 
 FALSE = (Status.REFUTED, Status.CORRECTED)
+CLOSED_LOOP = ("eq-1", "eq-8", "eq-10", "eq-11", "eq-13", "eq-14")
+ENERGIES = ("eq-17", "eq-18", "eq-19", "eq-20")
 
 
 def write_documents(claims: Sequence[Claim], folder: Path) -> list[Path]:
-    """Write the five files into a folder, each whole or not at all; returns their paths."""
+    """Write the files into a folder, each whole or not at all; returns their paths."""
     graph = proof_graph.draw(claims)
     contents = {
         "proof.json": json.dumps(claims_to_json(claims), indent=2, ensure_ascii=False) + "\n",
         "proof.md": render("proof.md", claims),
         "proof.html": render("proof.html", claims, graph=graph),
         "proof.tex": render("proof.tex", claims),
+        **{name: rendering.render(name) for name in ("proof_preamble.tex", "proof_article.tex")},
         "proof_graph.svg": graph,
     }
     return [write_text(folder / name, content) for name, content in contents.items()]
@@ -111,13 +115,16 @@ def render(name: str, claims: Sequence[Claim], graph: str = "") -> str:
     """One of the three documents from its template."""
     ordered = in_order(claims)
     paper = [claim for claim in ordered if claim.kind is Kind.PAPER]
+    by_id = {claim.id: claim for claim in ordered}
     parts = {"The paper, in its order": PAPER, "The corrected theorem": LEMMAS, "This fleet": FLEET}
     formal = development()
     return rendering.render(
         name,
         claims=ordered,
         proved=theorem_proved(ordered),
-        theorem=next((claim for claim in ordered if claim.id == "theorem"), None),
+        theorem=by_id.get("theorem"),
+        closed_loop=[by_id[id_] for id_ in CLOSED_LOOP],
+        energies=[by_id[id_] for id_ in ENERGIES],
         paper=paper,
         counts=Counter(claim.status.name for claim in paper),
         mistakes=[claim for claim in paper if claim.status in FALSE],
@@ -138,7 +145,10 @@ _WORDS: dict[str, Callable[..., Any]] = {
     "note": note_of,
     "effect": lambda claim: ALL[claim.id].effect,
     "method": method_of,
+    "name": lambda id_: ALL[id_].place,
     "steps": inner_steps,
+    "cancelling": cancelling,
+    "given": lambda fact: "in its steps" if isinstance(fact.statement, Implication) else "given",
     "is_formula": lambda fact: not isinstance(fact.statement, Quotation),
     "refuting": refuting,
     "witness_html": lambda fact: _markup(witness_in_html(fact)),

@@ -11,13 +11,19 @@ from ..escapes import markdown_text, tex_text
 from .notation import GREEK
 
 _NAMES = "|".join(sorted(GREEK, key=len, reverse=True))
-# A Greek letter, or a Latin one with subscripts or primes; perhaps transposed. Relations, roots.
+# A Latin letter that stands alone is mathematics too, but for words (a, A, I), units (m, N, /s) and marks such as (b).
+_ALONE = r"(?<![\w*'<])(?!(?<=\()\w\))(?!(?<=/)s)[B-HJ-MO-Zb-lo-z](?![\w'>])"
+# A Greek letter, or a Latin one alone or with subscripts or primes; perhaps transposed. Relations, roots.
 _MATH = re.compile(
-    rf"\b(?P<letter>(?:{_NAMES})(?![A-Za-z])|[A-Za-z](?=_|'))(?P<subs>(?:_[A-Za-z0-9]+)*)(?P<primes>'*)(?P<top>\^T)?"
-    r"|(?P<sign>sqrt2|<=|>=|->|\+-)"
+    rf"\b(?P<letter>(?:{_NAMES})(?![A-Za-z])|[A-Za-z](?=_|')|{_ALONE})(?P<subs>(?:_[A-Za-z0-9]+)*)"
+    r"(?P<primes>'*)(?P<top>\^T)?"
+    r"|(?P<sign>sqrt2|<=|>=|->|\+-|(?<![\w)-])-(?=[\w ]))"
 )
-_HTML = {"sqrt2": "√2", "<=": "≤", ">=": "≥", "->": "→", "+-": "±", "perp": "⊥", "il": "iℓ"}
-_TEX = {"sqrt2": r"\sqrt{2}", "<=": r"\le", ">=": r"\ge", "->": r"\to", "+-": r"\pm", "perp": r"\perp", "il": r"i\ell"}
+_HTML = {"sqrt2": "√2", "<=": "≤", ">=": "≥", "->": "→", "+-": "±", "-": "−", "perp": "⊥", "il": "iℓ"}
+_TEX = {
+    "sqrt2": r"\sqrt{2}", "<=": r"\le", ">=": r"\ge", "->": r"\to", "+-": r"\pm", "-": "-", "perp": r"\perp",
+    "il": r"i\ell",
+}  # fmt: skip
 
 
 def inline_html(sentence: str) -> str:
@@ -27,7 +33,8 @@ def inline_html(sentence: str) -> str:
 
 def inline_tex(sentence: str) -> str:
     """LaTeX of a sentence, escaped; mathematics in dollars."""
-    return _pieces(sentence, tex_text, lambda found: f"${_tex(found)}$")
+    shown = _pieces(sentence, tex_text, lambda found: f"${_tex(found)}$")
+    return f"``{shown[2:]}" if sentence.startswith('"') else shown
 
 
 def inline_markdown(sentence: str) -> str:

@@ -9,7 +9,7 @@ class Letter(NamedTuple):
     """A symbol without its vehicle: its letter, accent and subscript, and what it means."""
 
     letter: str  # a Latin letter, or the name of a Greek one
-    accent: str  # "", "dot", "ddot", "bar" or "hat"
+    accent: str  # "dot", "ddot", "bar", "hat", several with blanks between them, or ""
     sub: str  # names of Greek letters are turned into letters
     meaning: str
 
@@ -66,7 +66,7 @@ LETTERS = {
     "b": Letter("b", "", "", "phi_perp^T e_z, the position error across the heading; b_0 at the start of a window"),
     "q_dot": Letter("q", "dot", "", "its rate"),
     "b_dot": Letter("b", "dot", "", "its rate"),
-    "psi": Letter("psi", "", "", "the excitation; psi_j at another zero of its derivative"),
+    "psi": Letter("psi", "", "", "the excitation; with a number j at t = j pi/5"),
     "psi_dot": Letter("psi", "dot", "", "its rate"),
     "psi_ddot": Letter("psi", "ddot", "", "the rate of that"),
     "psi_bar": Letter("psi", "bar", "", "bound of |psi|"),
@@ -79,7 +79,6 @@ LETTERS = {
     "u_omega": Letter("u", "", "omega", "input (9), N m"),
     "u_bar_v": Letter("u", "bar", "v", "bound of |u_v|, N"),
     "u_bar_omega": Letter("u", "bar", "omega", "bound of |u_omega|, N m"),
-    "tau": Letter("tau", "", "", "a wheel torque, N m"),
     "tau_l": Letter("tau", "", "L", "torque of the left wheel, N m"),
     "tau_r": Letter("tau", "", "R", "torque of the right wheel, N m"),
     "tau_max": Letter("tau", "bar", "", "torque limit, N m, the smaller of left and right"),
@@ -94,7 +93,7 @@ LETTERS = {
     "What": Letter("W", "hat", "", "the modified energy of L5"),
     "V_dot": Letter("V", "dot", "", "its rate"),
     "W_dot": Letter("W", "dot", "", "its rate"),
-    "What_dot": Letter("W", "hat", "dot", "the rate of the modified energy"),
+    "What_dot": Letter("W", "hat dot", "", "the rate of the modified energy"),
     "P_v": Letter("P", "", "v", "sum of (d_v/p_v) v tanh(v/s)"),
     "P_w": Letter("P", "", "omega", "sum of (d_omega/p_omega) omega tanh(omega/o)"),
     "K": Letter("K", "", "", "K_e of L7"),
@@ -104,6 +103,7 @@ LETTERS = {
     "e": Letter("e", "", "", "a slack > 0 in L7; else |e_theta| of one vehicle"),
     "N": Letter("N", "", "", "number of vehicles"),
     "M": Letter("M", "", "", "the largest error that L9 allows; in the text after (18) a bound of |v|"),
+    "chi": Letter("chi", "", "", "what |e_i| may be in L9: kappa_cut/N tanh(M/(N rho))"),
     "h": Letter("h", "", "", "a value of tanh, or in L10 the length of a stretch of time"),
     "u": Letter("u", "", "", "|omega|"),
     "t": Letter("t", "", "", "time, s"),
@@ -128,7 +128,7 @@ LETTERS = {
     "kappa_low": Letter("kappa", "", "low", "lower bound of kappa_cut"),
     "kappa_high": Letter("kappa", "", "high", "upper bound of kappa_cut"),
     "cut_of_S": Letter("kappa", "", "S", "a_l(S) + cut(S) of the set found, added up anew"),
-    "least_of_all_sets": Letter("kappa", "", "all sets", "kappa_cut by trying every set"),
+    "least_of_all_sets": Letter("kappa", "", "all", "kappa_cut by trying every set"),
     "vehicles_fed": Letter("N", "", "fed", "vehicles that a flow of kappa_cut reaches from the leader"),
     "vehicles_without_path": Letter("N", "", "unled", "vehicles without a path to the leader"),
     "cuts_broken": Letter("N", "", "broken", "vehicle sets that break sum c_i/p_i <= a_l(S) + cut(S)"),

@@ -17,7 +17,7 @@ from .letters import LETTERS, letter_of
 
 _GREEK_NAMES = "alpha beta gamma delta epsilon eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega"
 GREEK = dict(zip(_GREEK_NAMES.split(), "αβγδεηθκλμνξρστφχψω", strict=True))
-_MARKS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "hat": "\u0302", "": ""}
+_MARKS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "hat": "\u0302"}
 _ARROWS = {"∥": "\\parallel", "⊥": "\\perp"}
 CACHED = 4096  # expressions of one report
 _TANH, _LN_COSH = sp.Function("tanh"), sp.Function("lncosh")  # as SymPy's, but their sign is left alone
@@ -59,8 +59,10 @@ class _Latex(_Ordered, LatexPrinter):  # type: ignore[misc]
     def _print_Symbol(self, expr: Any, style: str = "plain") -> str:  # noqa: ARG002, N802
         letter, index = letter_of(expr.name)
         shown = _latex_letter(letter.letter)
-        shown = f"\\{letter.accent}{{{shown}}}" if letter.accent else shown
-        lower = " ".join(_latex_sub(part) for part in (letter.sub, index) if part)
+        for accent in letter.accent.split():
+            shown = f"\\{accent}{{{shown}}}"
+        apart = "\\," if len(letter.sub) > 1 and letter.sub not in GREEK else " "  # words and an index
+        lower = apart.join(_latex_sub(part) for part in (letter.sub, index) if part)
         return f"{{{shown}}}_{{{lower}}}" if lower else shown
 
 
@@ -86,7 +88,8 @@ def _latex_index(index: str) -> str:
 class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
     def _print_Symbol(self, expr: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
         letter, index = letter_of(expr.name)
-        shown = self._leaf(GREEK.get(letter.letter, letter.letter) + _MARKS[letter.accent])
+        marks = "".join(_MARKS[accent] for accent in letter.accent.split())
+        shown = self._leaf(GREEK.get(letter.letter, letter.letter) + marks)
         lower = [GREEK.get(part, part) for part in letter.sub.split(",") if part]
         lower += [index.replace("l", "ℓ") if len(index) <= 2 else index] if index else []
         if not lower:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ...verify.proof.claim import Claim, Fact, Implication, Method, Quotation, Relation, Statement, Walk
 from ..escapes import markdown_text, tex_text
+from .inline import inline_tex
 from .notation import latex, mathml, text
 
 _LATEX = {"=": "=", "!=": r"\ne", "<": "<", ">": ">", "<=": r"\le", ">=": r"\ge", "->": r"\to", "-/>": r"\not\to"}
@@ -29,7 +30,7 @@ def in_text(statement: Statement) -> str:
 def in_latex(statement: Statement) -> str:
     """LaTeX; mathematics in dollars."""
     if isinstance(statement, Quotation):
-        return rf"\texttt{{{tex_text(statement.text)}}}"
+        return rf"\texttt{{{tex_text(statement.text)}}}" if statement.is_source else inline_tex(statement.text)
     if isinstance(statement, Implication):
         premises = ", ".join(map(in_latex, statement.premises))
         return rf"{premises} $\;\Longrightarrow\;$ {in_latex(statement.conclusion)}"
@@ -137,6 +138,17 @@ def of_statement(statement: Statement) -> Iterator[Any]:
             yield from of_statement(relation)
     elif isinstance(statement, Relation):
         yield from (statement.left, statement.right)
+
+
+def cancelling(walk: Walk) -> list[tuple[int, int]]:
+    """The numbers, from 1, of the terms of a walk that cancel in pairs, each number once."""
+    waiting = list(enumerate(walk.after, 1))
+    found = []
+    for pair in walk.pairs:
+        numbers = [next(place for place in waiting if place[1] == term) for term in pair]
+        waiting = [place for place in waiting if place not in numbers]
+        found.append((numbers[0][0], numbers[1][0]))
+    return found
 
 
 def _of_walk(walk: Walk) -> Iterator[Any]:

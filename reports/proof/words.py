@@ -24,7 +24,7 @@ PAPER: dict[str, Words] = {
     "eq-2": Words("(2)", "A convention: lever arm 2R, left minus right. The model has it with drive = paper."),
     "eq-2-physical": Words(
         "(2), R the half distance of the wheels",
-        "Wheel forces tau/r at +-R across the heading have the moment (R/r)(tau_r - tau_l).",
+        "Wheel forces tau/r at +-R across the heading have the moment (R/r)(tau_R - tau_L).",
         "On a real robot use drive = physical, the default: lever arm R, right minus left.",
     ),
     "eq-5": Words(
@@ -157,7 +157,10 @@ PAPER: dict[str, Words] = {
 LEMMAS: dict[str, Words] = {
     "L0": Words("L0", "tanh, its slope and its integral."),
     "L1": Words("L1", "Bounds of the errors, of their rates and of the accelerations; beta is any direction."),
-    "L2": Words("L2", "Edge by edge; what is affine in the weights on two vehicles holds on every graph."),
+    "L2": Words(
+        "L2",
+        "Edge by edge; deg is the degree in the weights. What is affine in them on two vehicles holds on every graph.",
+    ),
     "L3": Words("L3", "V never rises."),
     "L4": Words("L4", "W, and the errors along and across the heading."),
     "L5": Words("L5", "The key: the excitation is a total derivative up to terms in the speeds."),
@@ -176,13 +179,17 @@ LEMMAS: dict[str, Words] = {
     "L17": Words("L17", "The cross-track error moves at second order, so that no rate is exponential."),
     "L18": Words("L18", "Where damping outweighs all pulls, speed and turn rate fall."),
     "conditions": Words("models/conditions.py", "What the tool computes is what is proved: margin of each condition."),
-    "thm-a": Words("(a)", ""),
-    "thm-b": Words("(b)", ""),
-    "thm-c": Words("(c)", ""),
-    "thm-d": Words("(d)", ""),
-    "thm-e": Words("(e)", ""),
-    "thm-f": Words("(f)", ""),
-    "theorem": Words("corrected theorem", ""),
+    "thm-a": Words("(a)", "From every state at every time there is exactly one solution, for all later time."),
+    "thm-b": Words("(b)", "Solutions are bounded, uniformly over starts in a bounded set and over starting times."),
+    "thm-c": Words("(c)", "The formation is uniformly globally asymptotically stable."),
+    "thm-d": Words("(d)", "Torques stay below T of (16*), and no lower limit holds where |psi_i| attains its bound."),
+    "thm-e": Words("(e)", "The approach is not exponential, whatever the gains."),
+    "thm-f": Words("(f)", "Where damping outweighs all pulls, speeds and turn rates stay within their limits."),
+    "theorem": Words(
+        "corrected theorem",
+        "Under (A1)-(A3), for every fleet and graph: solutions are bounded, the formation is uniformly stable and "
+        "attracts from everywhere, and torques, speeds and turn rates keep their bounds.",
+    ),
 }
 
 FLEET: dict[str, Words] = {

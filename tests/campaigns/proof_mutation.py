@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import argparse
 import ast
-import json
 import os
 import random
 import sys
@@ -24,6 +23,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple, TypeVar
 
@@ -140,7 +140,8 @@ def every_mutant() -> list[Changed]:
     for name, functions in MODELS.items():
         path = ROOT / name
         for number, mutant in enumerate(mutants(_tree(path), more)):
-            named = "Inequality(" in mutant.change  # what a condition is called is not the proof's
+            # what a condition is called and which gains its message names is not the proof's
+            named = "Inequality(" in mutant.change or mutant.change.startswith(("('", "(*_"))
             if (not functions or mutant.function in functions) and not named:
                 found.append(Changed(path, number, mutant))
     return found
@@ -150,13 +151,13 @@ def _tree(path: Path) -> ast.Module:
     return ast.parse(path.read_text(encoding="utf-8"))
 
 
-def outcome(change: Changed | Planted, expected: dict[bool, str]) -> str:
+def outcome(change: Changed | Planted, expected: Expected) -> str:
     """What becomes of a change."""
     return code_mutation.outcome(lambda: _same(change, expected[change.judges]), SECONDS)
 
 
-def _same(change: Changed | Planted, expected: str) -> bool:
-    """Whether the check says the same with the change in it; runs in a process of its own."""
+def _same(change: Changed | Planted, expected: Sequence[str]) -> bool:
+    """Whether the check says the same with the change in it; runs in a process of its own, up to a difference."""
     silent = os.open(os.devnull, os.O_WRONLY)
     os.dup2(silent, 1)
     os.dup2(silent, 2)
@@ -167,14 +168,14 @@ def _same(change: Changed | Planted, expected: str) -> bool:
         code_mutation.import_instead(".".join(("gaincert", *module)), tree)
     for name in USERS:
         _forget(name)
-    return verdicts(formulas=change.judges) == expected
+    return all(one == other for one, other in zip_longest(verdicts(formulas=change.judges), expected))
 
 
-def verdicts(*, formulas: bool) -> str:
+def verdicts(*, formulas: bool) -> Iterator[str]:
     """What the check says now, from modules that are imported anew where they were forgotten."""
-    from tests.campaigns.proof_verdicts import report
+    from tests.campaigns.proof_verdicts import parts
 
-    return json.dumps(report(formulas=formulas))
+    yield from parts(formulas=formulas)
 
 
 def _dependents(module: tuple[str, ...]) -> set[tuple[str, ...]]:
@@ -197,12 +198,13 @@ def _forget(name: str) -> None:
 
 
 Change = TypeVar("Change", "Changed", "Planted")
+Expected = dict[bool, tuple[str, ...]]  # what the check says as it is, with formulas and without
 
 
 def outcomes(chosen: Sequence[Change], workers: int = 2) -> Iterator[tuple[Change, str]]:
     """What becomes of each change, in order."""
-    expected = {formulas: verdicts(formulas=formulas) for formulas in (False, True)}
-    assert json.loads(expected[True])["proved"], "the check does not prove the theorem as it is"
+    expected = {formulas: tuple(verdicts(formulas=formulas)) for formulas in (False, True)}
+    assert '["proved", true]' in expected[True], "the check does not prove the theorem as it is"
     with ThreadPoolExecutor(workers) as pool:
         yield from zip(chosen, pool.map(lambda change: outcome(change, expected), chosen), strict=True)
 

@@ -5,12 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import sympy as sp
-from gaincert.verify.proof.claim import Fact, Implication, Relation
+from flint import arb
+from gaincert.verify.proof.claim import Claim, Fact, Implication, Kind, Relation
+from gaincert.verify.proof.lemmas.energies import within_first_degree
 from gaincert.verify.proof.lemmas.functions import S, X, l0, sech2
 from gaincert.verify.proof.method import inferences, rules
 from gaincert.verify.proof.method.fleet_symbols import generic
 from gaincert.verify.proof.method.symbols import nonnegative_symbol, parameter, symbol
 from gaincert.verify.proof.method.windows import ETA, PERIOD, Weight, over_window
+from gaincert.verify.proof.this_fleet.excitation import computed_twice
 
 A, B, C, T = (parameter(name) for name in ("a", "b", "c", "t"))
 Y, N = nonnegative_symbol("y"), sp.Symbol("n", integer=True, positive=True)
@@ -40,6 +43,12 @@ def _algebra() -> Rows:
         "tanh x <= x/2": lambda: rules.ordered(sp.tanh(Y), "<=", Y / 2, (Relation(sp.tanh(Y), "<=", Y),)),
         "(a + b)^2 <= a^2 + b^2": lambda: rules.ordered((A + B) ** 2, "<=", A**2 + B**2),
         "a letter of unknown sign taken for positive": lambda: rules.ordered(0, "<=", X),
+        "a letter of unknown sign taken for negative": lambda: rules.ordered(X, "<=", 0),
+        "a bounded letter taken for positive": lambda: rules.ordered(0, "<=", X, (SIZE,)),
+        "a bounded letter taken for negative": lambda: rules.ordered(X, "<=", 0, (SIZE,)),
+        "a rate quadratic in a leader's weight": lambda: within_first_degree(generic().graph.leader_weight[0] ** 2),
+        "a rate quadratic in an edge's weight": lambda: within_first_degree(generic().graph.weight[0] ** 2),
+        "a claim without a fact": lambda: Claim("0 = 1", Kind.LEMMA, ()).facts[0],
         "a product of two letters of unknown sign": lambda: rules.ordered(0, "<=", X * symbol("z")),
         "a hypothesis the wrong way round": lambda: rules.ordered(A, "<=", B, (Relation(A, ">=", B),)),
         "|x| <= a/2 from |x| <= a": lambda: rules.majorized(X, (SIZE,), A / 2),
@@ -137,6 +146,8 @@ def _inferences() -> Rows:
             B,
             fleet.dots,
         ),
+        "a second computation that is larger": lambda: computed_twice("mu", arb(1), arb(2)),
+        "a second computation that is smaller": lambda: computed_twice("mu", arb(2), arb(1)),
         "a comparison of overlapping balls": lambda: inferences.compared(
             Relation(sp.sin(1) ** 2 + sp.cos(1) ** 2, "<=", sp.S.One), {}
         ),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import json
+import re
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from fractions import Fraction
 from typing import Any
@@ -17,29 +19,45 @@ from gaincert.reports.proof.letters import letter_of
 from gaincert.reports.proof.statements import of_statement
 from gaincert.verify.proof import prove, theorem_proved
 from gaincert.verify.proof.claim import Claim, Fact, Kind
+from gaincert.verify.proof.lemmas.bounds import l1, l6, l8
+from gaincert.verify.proof.lemmas.energies import l2, l3, l4, l5
+from gaincert.verify.proof.lemmas.functions import l0
+from gaincert.verify.proof.lemmas.torques import conditions_as_proved, l16, l16_sufficient, l18
+from gaincert.verify.proof.this_fleet import graph
 
 from tests.campaigns.proof_mutants import named
 from tests.campaigns.proof_rules import unsupported
 from tests.verify.light_fleets import line_of, undamped_gains
 
+# An index is that of a vehicle, a link, an axis, the leader or a number, or says which of several.
+INDEX = re.compile(r"|[0-9]+|[ijl]|ij|[ij]l|x|y|v|omega|min|lmin")
+LEMMAS = (l0, l1, l2, l3, l4, l5, conditions_as_proved, l18, l16, l16_sufficient, l6, l8)
 
-def report(*, formulas: bool) -> dict[str, Any]:
-    """What the check says: verdicts, numbers, witnesses and supports, and formulas where asked for."""
+
+def parts(*, formulas: bool) -> Iterator[str]:
+    """What the check says, piece by piece: verdicts, numbers, witnesses and supports, and formulas where asked for.
+
+    What is computed soonest comes first, so that most mutants are noticed early.
+    """
+    yield from (json.dumps([name, _accepted(judge)]) for name, judge in unsupported().items())
+    yield from (json.dumps(_piece(lemma(), formulas)) for lemma in LEMMAS)
+    yield from (json.dumps([mutant.name, _found(mutant.judge())]) for mutant in named())
     claims = prove()
     strained = [claim for claim in prove(*strained_fleet()) if claim.kind is Kind.FLEET]
-    return {
-        "proved": theorem_proved(claims),
-        "claims": [_verdict(claim) for claim in (*claims, *strained)],
-        "letters": _letters([*claims, *strained]),
-        "planted": [_found(mutant.judge()) for mutant in named()],
-        "unsupported": [_accepted(judge) for judge in unsupported().values()],
-        "formulas": [_formulas(claim) for claim in claims] if formulas else [],
-    }
+    crowd = graph.kappa(line_of(graph.EXACT_VEHICLES + 1).graph)
+    yield json.dumps(["proved", theorem_proved(claims)])
+    yield from (json.dumps(_piece(claim, formulas)) for claim in claims)
+    yield from (json.dumps(_piece(claim, formulas=False)) for claim in (*strained, crowd))
+    yield json.dumps(_letters([*claims, *strained, crowd]))
 
 
 def strained_fleet() -> tuple[Fleet, Gains]:
-    """Three robots with scales of their own, the last a wheel torque beyond its limit, limits met, missed and equal."""
+    """Three robots with scales of their own, the last a wheel torque beyond its limit, limits met, missed and equal.
+
+    No two weights are the same.
+    """
     table = line_of(3).model_dump(mode="json", by_alias=True)
+    table["graph"] = {"edges": [["r1", "r2", "0.1"], ["r2", "r3", "0.2"]], "leader_links": {"r1": 1, "r2": 2, "r3": 3}}
     for number, (row, torque) in enumerate(zip(table["vehicle"], (100, 100, 1), strict=True), 1):
         limits = {"speed": number, "turn_rate": number, "wheel_speed": 40 * number}
         limits |= {"acceleration": 12 * number, "turn_acceleration": 10 * number}
@@ -68,13 +86,18 @@ def _accepted(judge: Callable[[], Fact]) -> bool | None:
 
 def _letters(claims: Sequence[Claim]) -> list[str]:
     """What the report says of every letter in a formula; raises for one that it does not know."""
-    statements = {id(fact): fact.statement for claim in claims for fact in claim.steps()}
-    symbols = {s for statement in statements.values() for side in of_statement(statement) for s in side.free_symbols}
-    return sorted({letter_of(s.name)[0].meaning for s in symbols})
+    facts = {id(fact): fact for claim in claims for fact in claim.steps()}.values()
+    statements = [said for fact in facts for said in (fact.statement, *fact.assumptions)]
+    points = [pair for fact in facts if fact.witness for pair in fact.witness.point]
+    shown = [side for said in statements for side in of_statement(said)]
+    shown += [e for pair in points for e in pair if not isinstance(e, str)]
+    names = {s.name for e in shown for s in e.free_symbols}
+    unknown = sorted(name for name in names if not INDEX.fullmatch(letter_of(name)[1]))
+    return [*unknown, *sorted({letter_of(name)[0].meaning for name in names})]
 
 
-def _formulas(claim: Claim) -> list[str]:
-    return [str(fact.statement) for fact in claim.steps()]
+def _piece(claim: Claim, formulas: bool) -> list[Any]:
+    return [_verdict(claim), [str(fact.statement) for fact in claim.steps()] if formulas else []]
 
 
 def _verdict(claim: Claim) -> list[Any]:

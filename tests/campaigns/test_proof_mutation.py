@@ -17,8 +17,8 @@ PLANTED = [
         (
             (
                 f"{LEMMAS}/windows.py",
-                "N * level, cut * sp.tanh(PEAK / (N * f",
-                "(N - 1) * level, cut * sp.tanh(PEAK / ((N - 1) * f",
+                "N * CHI, cut * sp.tanh(PEAK / (N * f",
+                "(N - 1) * CHI, cut * sp.tanh(PEAK / ((N - 1) * f",
             ),
             (
                 "verify/proof/constants.py",

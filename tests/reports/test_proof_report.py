@@ -1,5 +1,5 @@
 # ruff: noqa: RUF001 -- mathematical letters are compared
-"""The proof report: five files, escaped, typeset, and a LaTeX document that compiles."""
+"""The proof report: its files, escaped, typeset, and a LaTeX document that compiles within its margins."""
 
 import json
 import subprocess
@@ -26,8 +26,9 @@ def documents(claims, tmp_path_factory):
     return folder
 
 
-def test_five_files_are_written(documents):
+def test_every_file_is_written(documents):
     names = {"proof.json", "proof.md", "proof.html", "proof.tex", "proof_graph.svg"}
+    names |= {"proof_preamble.tex", "proof_article.tex"}
     assert {path.name for path in documents.iterdir()} == names
 
 
@@ -72,7 +73,7 @@ def test_all_facts_of_every_claim_are_shown(claims, documents):
     for claim in claims:
         section = html.split(f'id="claim-{claim.id}"')[1].split("</section>")[0]
         truth = claim.truth if claim.status is Status.CORRECTED else ()
-        assert section.count("<li") == len(claim.facts) + len(truth) + len(inner_steps(claim)), claim.id
+        assert section.count("<li class=") == len(claim.facts) + len(truth) + len(inner_steps(claim)), claim.id
 
 
 def test_every_letter_is_explained(claims, documents):
@@ -104,6 +105,8 @@ def test_energies_are_followed_line_by_line(documents):
             "<i>φ</i><sub>⊥</sub><sup>⊤</sup> <i>e</i><sub>z</sub>′ &amp; a",
             r"$\phi_{\perp}^{\top}$ $e_{z}^{\prime}$ \& a",
         ),
+        ("K of (b), 2 m/s", "<i>K</i> of (b), 2 m/s", "$K$ of (b), 2 m/s"),
+        ('"so W rises"', "&quot;so <i>W</i> rises&quot;", "``so $W$ rises''"),
         ("a robot's <b>", "a robot&#x27;s &lt;b&gt;", r"a robot's \textless{}b\textgreater{}"),
     ],
 )
@@ -137,16 +140,38 @@ def test_hostile_names_are_escaped(hostile_claims, tmp_path):
     ElementTree.parse(tmp_path / "proof_graph.svg")
 
 
+def test_the_appendix_writes_out_the_closed_loop_and_then_the_energies(documents):
+    """A fragment: what it needs is in a preamble beside it."""
+    text = (documents / "proof.tex").read_text()
+    assert "documentclass" not in text
+    assert "usepackage" not in text
+    section = text.split("section*{The closed loop and its energies}")[1].split("section*{The paper, in its order}")[0]
+    labels = [section.index(f"\\item[({n})] $") for n in (1, 8, 10, 11, 13, 14, 17, 18, 19, 20)]
+    assert labels == sorted(labels)
+    assert "The closed loop and its energies" not in text.split("The paper, in its order")[1]
+    assert section.count("Terms that cancel in pairs: (1) and (") == 6
+
+
+def test_terms_that_cancel_are_named_by_their_numbers(claims):
+    walks = [walk for claim in claims for walk in claim.walks]
+    assert len(walks) == 6
+    for walk in walks:
+        pairs = proof_report.cancelling(walk)
+        assert [(walk.after[one - 1], walk.after[other - 1]) for one, other in pairs] == list(walk.pairs)
+        assert len({number for pair in pairs for number in pair}) == 2 * len(walk.pairs)
+
+
 @pytest.mark.needs("latex")
 @pytest.mark.parametrize("hostile", [False, True])
 def test_latex_compiles(claims, hostile_claims, tmp_path, hostile):
     proof_report.write_documents(hostile_claims if hostile else claims, tmp_path)
     done = subprocess.run(
-        ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "proof.tex"],
+        ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "proof_article.tex"],
         cwd=tmp_path, capture_output=True, check=False, timeout=120,
     )  # fmt: skip
     assert done.returncode == 0, done.stdout[-2000:].decode(errors="replace")
-    assert (tmp_path / "proof.pdf").stat().st_size > 20_000
+    assert (tmp_path / "proof_article.pdf").stat().st_size > 20_000
+    assert "Overfull" not in (tmp_path / "proof_article.log").read_text(encoding="latin-1")
 
 
 def test_every_symbol_is_typeset():

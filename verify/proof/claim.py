@@ -98,6 +98,11 @@ class Quotation:
     source: str
     text: str
 
+    @property
+    def is_source(self) -> bool:
+        """Whether the text is in the language of the proof assistant."""
+        return self.source.endswith(".v")
+
 
 Statement = Relation | Implication | Quotation
 

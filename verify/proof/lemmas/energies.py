@@ -33,11 +33,12 @@ def l2() -> Claim:
     fleet, weight = generic(), parameter("a", "ij")
     y, force = fleet.column("y"), column([symbol("f", "ij")])
     at_vehicles, at_edges = y * OPS.edge_sum(fleet.graph, force), force * OPS.edge_difference(fleet.graph, y)
-    affine = [_affine(rate_of(name)) for name in (V, W, W_HAT)]
+    affine = [within_first_degree(rate_of(name)) for name in (V, W, W_HAT)]
     return Claim("L2", Kind.LEMMA, (edge_identity(weight, weight), identity(sum(at_vehicles), sum(at_edges)), *affine))
 
 
-def _affine(rate: Expr) -> Fact:
+def within_first_degree(rate: Expr) -> Fact:
+    """The rate of an energy is affine in the weights."""
     fleet = generic()
     weights = [*fleet.graph.weight, *fleet.graph.leader_weight]
     degree = sp.Poly(normal_form(fleet.unfold(rate)), *weights).total_degree()

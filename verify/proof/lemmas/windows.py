@@ -20,7 +20,7 @@ from .bounds import ROOT2, l1, l6, psi_limit
 from .energies import l2, l3, l4
 from .functions import tanh_below_line
 
-N, PEAK, SIZE = parameter("N"), parameter("M"), nonnegative_symbol("x")
+N, PEAK, SIZE, CHI = parameter("N"), parameter("M"), nonnegative_symbol("x"), parameter("chi")
 
 
 # -- L7 ---------------------------------------------------------------------------------------------------------------
@@ -53,7 +53,8 @@ def l9(formal: Development) -> Claim:
     """
     fleet, cut = generic(), parameter("kappa_cut")
     level = constants.level_for(fleet.setting, PEAK, fleet.angle, cut, N)
-    pulls = identity(N * level, cut * sp.tanh(PEAK / (N * fleet.angle)), by=l2().facts[:1])
+    at_level = SymbolicFleet("i", [], units=((CHI, level),))
+    pulls = identity(N * CHI, cut * sp.tanh(PEAK / (N * fleet.angle)), at_level, l2().facts[:1])
     return Claim("L9", Kind.LEMMA, (pulls, _chain_of_two(), proved_by("inverse_bound", formal)))
 
 

@@ -75,7 +75,6 @@ _FUNCTIONS: dict[Any, Any] = {
     sp.atanh: lambda s: s.atanh(),
     sp.Abs: abs,
     log_cosh: lambda s: s.cosh().log(),
-    sp.Max: lambda *s: max(s[0], s[1]) if len(s) == 2 else s[0],
 }
 
 

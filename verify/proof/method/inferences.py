@@ -65,7 +65,7 @@ def gained(rate: Fact, stretch: tuple[Expr, Expr, Expr], speed: Expr, stated: Ex
     return Fact(relation, settled(True if rate.sign == "<=" else None, grounds), Method.COMPARISON, grounds)
 
 
-_NEGATED = {"->": "-/>", "=": "!=", "<=": ">", "<": ">=", ">=": "<", "bounded": "unbounded"}
+_NEGATED = {"->": "-/>", "bounded": "unbounded"}
 
 
 def counterexample(rule: Implication, functions: Mapping[Expr, Expr], facts: Sequence[Fact]) -> Fact:

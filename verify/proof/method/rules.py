@@ -96,7 +96,9 @@ def identity(left: Expr, right: Expr, fleet: SymbolicFleet | None = None, by: Se
     """
     relation = Relation(sp.sympify(left), "=", sp.sympify(right))
     unfold = fleet.unfold if fleet else sp.sympify
-    left_side, right_side = (side.doit() if side.has(sp.Integral) else side for side in (relation.left, relation.right))
+    left_side, right_side = (
+        side.doit() if side.has(sp.Integral, sp.Derivative) else side for side in (relation.left, relation.right)
+    )
     decisive = difference(unfold(left_side), unfold(right_side))
     if decisive == 0:
         return Fact(relation, settled(True, by), Method.NORMAL_FORM, tuple(by), sp.S.Zero)

@@ -81,7 +81,7 @@ def after_20_b() -> Claim:
     level = nonnegative_symbol("h")
     s = nonnegative_symbol("s")
     grown = ordered(0, "<=", sech2(1 + s), (tanh_below_1(1 + s),))
-    slope = identity(sp.diff(sp.tanh(1 + s), s), sech2(1 + s))
+    slope = identity(sp.Derivative(sp.tanh(1 + s), s), sech2(1 + s))
     where = (Relation(level, ">=", TANH_1),)
     return Claim(
         "after-20-b",

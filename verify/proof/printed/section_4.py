@@ -90,18 +90,23 @@ def psi_bar(stated: Expr | None = None) -> Claim:
     """
     z, size, bound = symbol("z"), symbol("psi_bar"), closed_form() if stated is None else stated
     cosines = sum((z - 1 / z) * (z ** (2 * k - 1) + z ** (1 - 2 * k)) for k in range(1, 6))
-    peak, at_zeros, above = paper().psi.value(OPS, sp.pi / 5), symbol("psi", "j"), symbol("psi_certified")
+    peak, above = paper().psi.value(OPS, sp.pi / 5), symbol("psi_certified")
     with precise():
         exact, certified = evaluate(bound), paper().psi.bound
-        zeros = [arb.pi() * j / 10 for j in (2, 3, 4, 5, 11, 12, 13, 14, 15)]
-        elsewhere = max((abs(psi_at(4 / arb.pi(), u)) for u in zeros), key=float)
+        elsewhere = [
+            compared(
+                Relation(sp.Abs(symbol("psi", str(j))), "<", size),
+                {symbol("psi", str(j)): psi_at(4 / arb.pi(), arb.pi() * j / 10), size: exact},
+            )
+            for j in (2, 3, 4, 5, 11, 12, 13, 14, 15)
+        ]
         return Claim(
             "psi-bar",
             Kind.PAPER,
             (
                 identity(bound, peak),
                 identity(cosines, z**10 - z**-10),
-                compared(Relation(at_zeros, "<", size), {at_zeros: elsewhere, size: exact}),
+                *elsewhere,
                 compared(Relation(size, "<=", above), {size: exact, above: certified}),
                 compared(Relation(above - size, "<", sp.Rational(1, 10**8)), {above: certified, size: exact}),
             ),

@@ -70,7 +70,7 @@ def assumption_3(psi: Excitation) -> Claim:
     with precise():
         sampled = power_of_samples(psi.derivative())
         exact = times_power_of_pi((q, power))
-        exciting, twice = compared(Relation(mu, ">", 0), {mu: exact}), _same("mu", exact, sampled)
+        exciting, twice = compared(Relation(mu, ">", 0), {mu: exact}), computed_twice("mu", exact, sampled)
         bounds = [fact for row in _bounds(psi) for fact in _bounded(*row)]
     return Claim("A3", Kind.FLEET, (exciting, twice, *bounds))
 
@@ -89,7 +89,7 @@ def _bounded(name: str, psi: Excitation, bound: Fraction) -> tuple[Fact, Fact]:
     return compared(Relation(found, "<=", letter), values), compared(Relation(letter, "<=", most), values)
 
 
-def _same(name: str, one: Ball, other: Ball) -> Fact:
+def computed_twice(name: str, one: Ball, other: Ball) -> Fact:
     """Two computations of a number differ by less than 1e-30 of it."""
     exact, sampled = symbol(name), symbol(f"{name}_sampled")
     relation = Relation(sp.Abs(exact - sampled), "<=", exact * sp.Rational(1, 10**30))
@@ -107,7 +107,7 @@ def window_number(psi: Excitation) -> Claim:
         least = variance_bound(period, mu, stretch)
         facts = (
             compared(Relation(nu, ">", 0), {nu: exact}),
-            _same("nu", exact, sampled),
+            computed_twice("nu", exact, sampled),
             compared(Relation(below, "<=", nu), {below: least, nu: exact}),
         )
     return Claim("nu", Kind.FLEET, facts)

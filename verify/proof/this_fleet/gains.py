@@ -46,20 +46,20 @@ def torques(fleet: Fleet, gains: Gains, psi: Excitation, part_d: Claim) -> Claim
     names = symbol("T", str(worst + 1)), symbol("tau_max", str(worst + 1))
     values = dict(zip(names, (found.small[worst], found.large[worst]), strict=True))
     met = compared(Relation(names[0], "<=", names[1]), values, of=fleet.names[worst])
-    shown = () if met.holds else (_reached(BallFleet(fleet, gains, psi), worst, found.large[worst]),)
+    shown = () if met.holds else _reached(BallFleet(fleet, gains, psi), worst, found.large[worst])
     return Claim("torques", Kind.FLEET, (met, *shown, *map(restated, part_d.facts[-2:])))
 
 
-def _reached(data: BallFleet, vehicle: int, limit: Fraction) -> Fact:
-    """The larger of the two torques at a state near its supremum, against the limit."""
+def _reached(data: BallFleet, vehicle: int, limit: Fraction) -> tuple[Fact, ...]:
+    """The torque of each wheel at a state near its supremum, against the limit."""
+    name, index, facts = data.fleet.names[vehicle], str(vehicle + 1), []
     with precise():
         peak = data.psi_at(_peak_time(data.psi))
-        reached = [abs(data.torques(peak, data.worst_state(vehicle, wheel, peak))[wheel][vehicle]) for wheel in (0, 1)]
-        most = max(reached, key=float)
-        name, index = data.fleet.names[vehicle], str(vehicle + 1)
-        names = sp.Abs(symbol("tau", index)), symbol("tau_max", index)
-        values = dict(zip(names, (most, limit), strict=True))
-        return compared(Relation(names[0], "<=", names[1]), values, {symbol("psi"): text(peak)}, name)
+        for wheel, letter in enumerate(("tau_l", "tau_r")):
+            torque, most = symbol(letter, index), symbol("tau_max", index)
+            values = {torque: data.torques(peak, data.worst_state(vehicle, wheel, peak))[wheel][vehicle], most: limit}
+            facts.append(compared(Relation(sp.Abs(torque), "<=", most), values, {symbol("psi"): text(peak)}, name))
+    return tuple(facts)
 
 
 def _peak_time(psi: Excitation) -> Ball:
