@@ -195,7 +195,7 @@ def validate(
     friction: cli.Friction = None,
     lost_link: cli.LostLink = None,
     com_offset: cli.ComOffset = False,
-    largest_sample_time: cli.LargestSampleTime = False,
+    margins: cli.Margins = False,
     replay: cli.Replay = None,
     plant: cli.PlantOption = cli.Plant.model,
 ) -> Outcome:
@@ -209,7 +209,7 @@ def validate(
     if plant is cli.Plant.mujoco:
         refuse_with_mujoco(
             ("--replay", replay is not None),
-            ("--largest-sample-time", largest_sample_time),
+            ("--margins", margins),
             ("--scheduler", scheduler is not None),
             ("--integrator", integrator is not cli.Method.auto),
         )
@@ -221,9 +221,7 @@ def validate(
         document = replay_start(printer, Validation(spec, digests, drawn.states, seed), replay, folder)
         return Outcome.of(document, true=document["same"] is not False)
     random_seed = None if starts_file else seed
-    validation = Validation(
-        spec, digests, drawn.states, random_seed, real, largest_sample_time, pool=Pool(workers, scheduler)
-    )
+    validation = Validation(spec, digests, drawn.states, random_seed, real, margins, pool=Pool(workers, scheduler))
     document = validate_starts(printer, fleet, validation, folder)
     return Outcome(document, validation_exit_code(document))
 
@@ -300,7 +298,3 @@ def run(
 def main() -> None:
     """The command line."""
     run_application()
-
-
-if __name__ == "__main__":
-    main()

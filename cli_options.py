@@ -224,10 +224,10 @@ Scheduler = Annotated[
 PlantOption = Annotated[
     Plant, typer.Option(help="equations (1)-(2), or MuJoCo driven by the exported C controller (extra [robots])")
 ]
-LargestSampleTime = Annotated[
+Margins = Annotated[
     bool,
     typer.Option(
-        "--largest-sample-time", help="find the longest sample time at which all starts settle within the torque limits"
+        "--margins", help="find the largest sample time, delay, friction and noise with which all starts settle"
     ),
 ]
 Replay = Annotated[

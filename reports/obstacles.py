@@ -45,11 +45,15 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
                 "reduce the friction, or raise what holds torques down: speed limit, torque limit, --torque-factor",
             )
         ]
-    short = [row for row in rows if row.stops_within > tolerance.position]
+    short = [row for row in rows if row.stops_within > tolerance.position or row.stops_turned > tolerance.heading]
     if not short:
         return []
-    worst = max(short, key=lambda row: row.stops_within)
-    where = "anywhere" if math.isinf(worst.stops_within) else f"up to {worst.stops_within:.3g} m from its place"
+    worst = max(short, key=lambda row: max(row.stops_within / tolerance.position, row.stops_turned / tolerance.heading))
+    where = (
+        "anywhere"
+        if math.isinf(worst.stops_within)
+        else f"up to {worst.stops_within:.3g} m and {worst.stops_turned:.3g} rad from its place"
+    )
     what = (
         f"friction may hold {worst.vehicle!r} {where}, and {len(short)} of {len(rows)} vehicles outside the tolerance"
     )

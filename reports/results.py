@@ -111,6 +111,15 @@ class SettledResult(Part):
     settled: int
 
 
+class MarginResult(Part):
+    """The largest value of a disturbance with which all starts settle."""
+
+    largest: float | None
+    present: float
+    unit: str
+    tried: tuple[float, float]
+
+
 class ManyStartsResult(ResultFile):
     """validation.json."""
 
@@ -121,7 +130,7 @@ class ManyStartsResult(ResultFile):
     model: SettledResult | None = None  # beside MuJoCo
     horizon_s: float | None = None
     disturbed: list[DisturbedResult] = []
-    largest_sample_time_s: float | None = None
+    margins: dict[str, MarginResult] = {}  # kind -> margin
 
 
 class ClaimResult(Part):

@@ -33,7 +33,7 @@ class Validation:
     states: Sequence[State]
     seed: int | None  # of random starts, None for those of a file
     disturbance: Disturbance | None = None
-    largest_sample_time: bool = False  # whether to search for it
+    margins: bool = False  # whether to search for them
     pool: Pool = ALL_CORES
 
 
@@ -94,7 +94,7 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
             states,
             results,
             disturbance=validation.disturbance,
-            largest=validation.largest_sample_time,
+            search=validation.margins,
             progress=progress,
         )
     whole = ValidationResults(spec, results, validation.seed, disturbed)

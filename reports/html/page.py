@@ -45,6 +45,7 @@ CAPTIONS = {
     "figures/torques": "The larger wheel torque of each vehicle over its limit (figure 7).",
     "figures/energies": "The energies V of (17) and W of (19); under the bounded scheme V never rises.",
     "figures/settling": "Settling times over many starts.",
+    "figures/margins": "Values of a disturbance with which all starts settle; the line is that of the fleet file.",
     "figures/physics": "In MuJoCo, with the exported C controller: one start beside the model, and all settling times.",
     "figures/designs": "Settling times of the designs, a dot for every start.",
     "figures/witness_energy": "Witness: W rises under the paper's gains, which meet (15).",
@@ -172,12 +173,15 @@ def _trajectory_of(folder: Path, fleet: Fleet | None) -> Trajectory | None:
 
 def draw_figures(results: Results, fleet: Fleet | None, run: Trajectory | None, origin: str) -> None:
     """Draw the figures that need files of several verbs, and those of a run without figures."""
+    from ..figures.margins import write_margins
     from ..figures.run_figures import write_figures
     from ..figures.settling_times import write_designs, write_settling
 
     figures = results.folder / "figures"
     if results.many_starts:
         write_settling(results.many_starts.settling_time_s.each, figures, origin)
+        if results.many_starts.margins:
+            write_margins(results.many_starts.margins, figures, origin)
     if designs := design_rows(results.folder):
         write_designs(designs, figures)
     if fleet and run and not belongs(figures / "paths", origin):

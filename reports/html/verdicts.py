@@ -10,7 +10,7 @@ from ...models.errors import InputError
 from ...models.fleet import Fleet
 from ...verify.simulation.disturbance import Disturbance
 from ..deployment import Deployment, load_deployment
-from ..results import ClaimResult, ManyStartsResult, RunResult, SpreadResult, say_stale
+from ..results import ClaimResult, ManyStartsResult, MarginResult, RunResult, SpreadResult, say_stale
 
 CERTIFIED = "Certified"
 
@@ -106,10 +106,16 @@ def many_starts_verdict(result: ManyStartsResult | None) -> list[Verdict]:
     within = all(runs.peak_torque_ratio <= 1 for runs in result.disturbed)
     if result.disturbed:
         text += f"; with disturbances: {worst} of {count} at the worst"
-    if result.largest_sample_time_s is not None:
-        text += f"; all settle with torques held for up to {1000 * result.largest_sample_time_s:.3g} ms"
+    facts += [
+        f"largest {kind} with which all settle: {_margin_text(margin)}" for kind, margin in result.margins.items()
+    ]
     good = result.settled == count == worst and within
     return [Verdict(good, "Many starts", text, tuple(facts), "each disturbance")]
+
+
+def _margin_text(margin: MarginResult) -> str:
+    largest = "none that was tried" if margin.largest is None else f"{margin.largest:.3g} {margin.unit}"
+    return f"{largest} (in the fleet file {margin.present:.3g} {margin.unit})"
 
 
 def _spread_text(spread: SpreadResult) -> str:

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ...models.arrays import floats
-from ...models.conditions import float_numbers, pulling_bound, torque_bound, turning_bound
+import numpy as np
+
+from ...models.arrays import Array, floats
+from ...models.conditions import ConditionData, float_numbers, pulling_bound, torque_bound, turning_bound
 from ...models.excitation import Excitation
 from ...models.fleet import Fleet
 from ...models.fleet_tables import Vehicle
 from ...models.gains import Gains
+from ...models.graph import Graph
 from ...models.numbers import low
+from ...models.standstill import farthest_standstill
 from .terminal import TerminalTable
 
 SHOWN = 20  # vehicles on a terminal
@@ -24,7 +28,8 @@ class DemandRow(NamedTuple):
     motor: float  # N m, the smaller torque limit of both wheels
     friction: float  # N m, Coulomb friction at every wheel, of the [disturbance] table
     torque: float  # N m, T of (16*), the bound of all torques
-    stops_within: float  # m, along-track error at which friction outweighs the controller; inf: everywhere
+    stops_within: float  # m, largest position error at which friction may stop it; inf: everywhere
+    stops_turned: float  # rad, largest heading error, the same
     speed: float  # m/s, certified bound from rest; inf: none
     turn_rate: float  # rad/s, the same
 
@@ -36,18 +41,33 @@ def demand_rows(fleet: Fleet, excitation: Excitation, gains: Gains) -> list[Dema
     torques = torque_bound(numbers, data, gains)
     pull, turn = pulling_bound(numbers, data, gains) / gains.d_v, turning_bound(numbers, data, gains) / gains.d_omega
     speeds, rates = scale.columns(len(fleet))["speed"], scale.columns(len(fleet))["turn_rate"]
+    position, heading = _standstill(fleet.graph, data, gains, friction)
     return [
         DemandRow(
             vehicle=name,
             motor=float(data.torque[i]),
             friction=friction,
             torque=float(torques[i]),
-            stops_within=float(scale.position) * _atanh(2 * friction / (data.r[i] * gains.p_v[i] * data.degree[i])),
+            stops_within=float(position[i]),
+            stops_turned=float(heading[i]),
             speed=float(speeds[i]) * _atanh(pull[i]),
             turn_rate=float(rates[i]) * _atanh(turn[i]),
         )
         for i, name in enumerate(fleet.names)
     ]
+
+
+def _standstill(graph: Graph, data: ConditionData, gains: Gains, friction: float) -> tuple[Array, Array]:
+    """The errors of position (m) and heading (rad), (N,) each, within which friction may stop the vehicles.
+
+    Headings are nearly right and along an axis, where (8) pulls least. Across the heading the pull is k psi with psi at
+    its largest: at some time it is that strong.
+    """
+    force, moment = 2 * friction / data.r, 2 * friction * data.arm / data.r
+    pulls = (force / gains.p_v, moment / (gains.k_alpha * data.psi_bar), moment / gains.p_omega)
+    along, across, turned = (farthest_standstill(graph, pull) for pull in pulls)
+    scale = gains.saturation
+    return scale.position * np.maximum(along, across), scale.heading * turned
 
 
 def coulomb(fleet: Fleet) -> float:
@@ -63,14 +83,14 @@ def for_terminal(rows: list[DemandRow]) -> TerminalTable:
     """The first rows for a terminal; with a friction column if there is friction."""
     headings = ["vehicle", "torque / N m", "motor / N m"]
     rubbing = any(row.friction for row in rows)
-    headings += ["friction / N m", "may stop within / m"] if rubbing else []
+    headings += ["friction / N m", "may stop within"] if rubbing else []
     headings += ["speed / m/s", "turn rate / rad/s"]
     table = [
         [
             row.vehicle,
             f"{row.torque:.3g}",
             f"{row.motor:.3g}",
-            *([f"{row.friction:.3g}", _finite(row.stops_within, "anywhere")] if rubbing else []),
+            *([f"{row.friction:.3g}", _stops(row)] if rubbing else []),
             _finite(row.speed, "no bound"),
             _finite(row.turn_rate, "no bound"),
         ]
@@ -78,8 +98,14 @@ def for_terminal(rows: list[DemandRow]) -> TerminalTable:
     ]
     caption = "torque, speed and turn rate never exceed these from rest"
     if rubbing:
-        caption += "; friction may stop a vehicle within this distance of its place"
+        caption += "; friction may stop a vehicle so near its place and heading"
     return TerminalTable(headings, table, caption)
+
+
+def _stops(row: DemandRow) -> str:
+    if math.isinf(row.stops_within):
+        return "anywhere"
+    return f"{row.stops_within:.2g} m, {_finite(row.stops_turned, 'any')} rad"
 
 
 def _finite(value: float, otherwise: str) -> str:

@@ -1,13 +1,16 @@
 """Obstacles are named beforehand: friction, motors, control rate, collisions, and runs that do not arrive."""
 
 import math
+import re
 import tomllib
 from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
 import pytest
-from gaincert.models.equations import State
+from gaincert.models.algebra.ops import numpy_ops
+from gaincert.models.arrays import floats
+from gaincert.models.equations import State, control
 from gaincert.models.files.fleet_file import parse
 from gaincert.models.files.fleet_text import dumps
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
@@ -65,7 +68,7 @@ def test_without_friction_nothing_is_in_the_way():
     assert obstacles.of_fleet(fleet_with()) == []
     rows = rows_with(0.0)
     assert obstacles.of_gains(rows, Tolerance()) == []
-    assert all(row.stops_within == 0 for row in rows)
+    assert all(row.stops_within == row.stops_turned == 0 for row in rows)
     assert "friction / N m" not in for_terminal(rows).headings
 
 
@@ -85,21 +88,45 @@ def test_friction_beyond_the_controller_is_said_of_the_gains():
 
 
 def test_friction_near_the_goal_is_said_with_the_distance():
-    rows = rows_with(0.5)
-    worst = max(row.stops_within for row in rows)
+    rows = rows_with(0.1)
+    position, heading = max(row.stops_within for row in rows), max(row.stops_turned for row in rows)
+    assert 0.1 < position < math.inf and 0.1 < heading < math.inf
     (found,) = obstacles.of_gains(rows, Tolerance())
-    assert f"up to {worst:.3g} m from its place" in found.what
-    assert obstacles.of_gains(rows, Tolerance(1.01 * worst, 0.1)) == []
+    assert re.search(r"friction may hold 'v\d' up to \d\.\d+ m and \d\.\d+ rad from its place, and", found.what)
+    assert obstacles.of_gains(rows, Tolerance(1.01 * position, 1.01 * heading)) == []
+    for one in (Tolerance(1.01 * position, 0.99 * heading), Tolerance(0.99 * position, 1.01 * heading)):
+        assert len(obstacles.of_gains(rows, one)) == 1
 
 
-def test_the_controllers_force_equals_friction_where_a_robot_stops():
-    """One vehicle off along its heading, all others in place: u_v of (7) against 2 c / r."""
-    scale = Saturation(Fraction("2.5"), Fraction(1), Fraction(1), Fraction(1))
-    fleet, rows = fleet_with(0.5), rows_with(0.5, scale)
-    for i, row in enumerate(rows):
-        degree = float(fleet.graph.degree[i])
-        force = 56 * degree * math.tanh(row.stops_within / 2.5)
-        assert force * float(fleet.vehicles[i].wheel_radius) / 2 == pytest.approx(0.5)
+def test_friction_that_no_turn_overcomes_holds_a_robot_anywhere():
+    (found,) = obstacles.of_gains(rows_with(0.5), Tolerance())
+    assert "anywhere" in found.what
+
+
+@pytest.mark.parametrize("kind", ["along", "across", "turned"])
+def test_at_these_errors_every_wheel_gets_the_torque_that_friction_takes(kind):
+    """All robots off by the printed errors, with headings along x: the controller (6) asks for +- 0.1 N m."""
+    content = tomllib.loads(dumps(fleet_with(0.1)), parse_float=str)
+    content["leader"]["heading_deg"] = 0
+    fleet, scale = parse(content), Saturation(Fraction("2.5"), Fraction("0.5"), Fraction(1), Fraction(1))
+    gains, psi = replace(paper_gains(), saturation=scale), paper_excitation()
+    position, heading = standstill(fleet, psi, gains, kind)
+    plant, zero = fleet.plant(), np.zeros(6)
+    x, y = plant.offset_x + plant.leader_x, plant.offset_y + plant.leader_y
+    state = State(x + position * (kind == "along"), y + position * (kind == "across"), heading, zero, zero)
+    psi_bar = float(psi.bound) * (kind == "across")
+    torques = control(numpy_ops(), plant, gains.map(floats), psi_bar, state)
+    assert np.abs(torques) == pytest.approx(np.full((2, 6), 0.1))
+
+
+def standstill(fleet, psi, gains, kind):
+    """The errors (m, rad) of one kind, with all others 0."""
+    strong = {"along": "k_alpha", "across": "p_v"}  # pulls that are made so strong that friction does not matter there
+    factor = {strong[kind]: getattr(gains, strong[kind]) * 1000} if kind in strong else {}
+    rows = demand_rows(fleet, psi, replace(gains, **factor))
+    position = np.array([row.stops_within for row in rows])
+    heading = np.array([row.stops_turned for row in rows])
+    return (np.zeros(6), heading) if kind == "turned" else (position, np.zeros(6))
 
 
 def test_a_smaller_scale_of_the_speed_certifies_a_lower_speed():

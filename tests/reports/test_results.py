@@ -142,15 +142,20 @@ def test_many_starts_list_every_disturbance_with_its_count():
                 {"disturbance": {"sample_time": 0.02}, "settled": 3, **runs},
                 {"disturbance": DISTURBANCE, "settled": 2, **runs},
             ],
-            "largest_sample_time_s": 0.05,
+            "margins": {
+                "sample_time": {"largest": 0.05, "present": 0.02, "unit": "s", "tried": [0.002, 2.0]},
+                "delay": {"largest": None, "present": 0.0, "unit": "s", "tried": [0.02, 20.0]},
+            },
         }
     )
     (verdict,) = many_starts_verdict(result)
     assert not verdict.good  # all settle, but not with the disturbance
     assert "nominal: 3 of 3 settle within 300 s" in verdict.text
     assert "with disturbances: 2 of 3 at the worst" in verdict.text
-    assert "held for up to 50 ms" in verdict.text
-    alone, together = (fact.split(" settle")[0] for fact in verdict.facts)
+    *runs, longest, delay = verdict.facts
+    assert longest == "largest sample_time with which all settle: 0.05 s (in the fleet file 0.02 s)"
+    assert delay == "largest delay with which all settle: none that was tried (in the fleet file 0 s)"
+    alone, together = (fact.split(" settle")[0] for fact in runs)
     assert alone == "torques held for 20 ms: 3 of 3"
     assert together.endswith("noise of 0.005 m, 0.01 rad, friction of 0.02 N m at every wheel: 2 of 3")
 

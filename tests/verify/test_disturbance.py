@@ -15,11 +15,10 @@ from gaincert.verify.simulation import sampled_loop as module
 from gaincert.verify.simulation.closed_loop import ClosedLoop
 from gaincert.verify.simulation.disturbance import Disturbance, checked, of_table, parts
 from gaincert.verify.simulation.integrators import Adams
-from gaincert.verify.simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
+from gaincert.verify.simulation.sampled_loop import Outcomes, SampledLoop
 from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import Summary
-from gaincert.verify.validation.robustness import DisturbedRuns, robustness
-from gaincert.verify.validation.validate import make_spec, run_start
+from gaincert.verify.validation.robustness import DisturbedRuns
 
 WIDE = Tolerance(20.0, 5.0)
 
@@ -86,16 +85,6 @@ def test_a_lost_link_leaves_the_other_weights(paper, loop) -> None:
     assert lost.degree.tolist() == [2, 12, 2, 12, 2, 2]
 
 
-def test_the_largest_sample_time_is_between_fine_and_not(paper, loop, starts, monkeypatch) -> None:
-    monkeypatch.setattr(module, "SHORTEST", 0.02)
-    wide = Tolerance(25.0, 8.0)
-    found = largest_sample_time(SampledLoop(paper, loop, Disturbance(), 20.0, wide), starts)
-    assert found is not None
-    assert SampledLoop(paper, loop, Disturbance(found), 20.0, wide).outcomes(starts).acceptable
-    tight = SampledLoop(paper, loop, Disturbance(), 1.0, Tolerance(1e-3, 1e-3))
-    assert largest_sample_time(tight, starts) is None
-
-
 def test_parts_and_report() -> None:
     both = Disturbance(delay=0.1, mismatch=0.1)
     assert parts(both) == [Disturbance(), Disturbance(delay=0.1), Disturbance(mismatch=0.1), both]
@@ -145,24 +134,3 @@ def test_the_table_of_a_fleet_file_says_the_same_as_options(paper) -> None:
     assert fleet.digest == paper.digest  # a certificate does not depend on it
     assert parse(tomllib.loads(dumps(fleet), parse_float=Decimal)) == fleet
     assert of_table(None) == Disturbance()
-
-
-def test_the_largest_sample_time_is_searched_for_with_the_other_disturbances_on(
-    paper, loop, starts, monkeypatch
-) -> None:
-    searched = []
-
-    def search(sampled: SampledLoop, _starts: list[State]) -> float:
-        searched.append(sampled.disturbance)
-        return 0.03
-
-    monkeypatch.setattr("gaincert.verify.validation.robustness.largest_sample_time", search)
-    spec = make_spec(paper, loop, {}, horizon=1.0, tolerance=WIDE, versions={})
-    results = [run_start(spec, number, start) for number, start in enumerate(starts)]
-    real = Disturbance(0.02, delay=0.04, noise_position=0.01)
-    found = robustness(paper, spec, starts, results, disturbance=real, largest=True)
-    assert searched == [real]
-    expected = "up to a sample time of 0.03 s all starts settle within torque limits, with the other disturbances on"
-    assert found.sentences()[-1] == expected
-    robustness(paper, spec, starts, results, disturbance=None, largest=True)
-    assert searched[-1] == Disturbance()

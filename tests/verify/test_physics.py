@@ -327,9 +327,9 @@ def test_the_command_line_validates_in_mujoco(trio, tmp_path):
     assert document["peak_torque_over_bound"] < 1
     assert document["slip"]["friction"] == 1
     assert (tmp_path / "out" / "figures" / "physics.svg").is_file()
-    refused = gaincert(*command, "--replay", "0", "--largest-sample-time")
+    refused = gaincert(*command, "--replay", "0", "--margins")
     assert refused.returncode == 2
-    assert "--replay, --largest-sample-time: not with --plant mujoco; leave it out" in refused.stderr
+    assert "--replay, --margins: not with --plant mujoco; leave it out" in refused.stderr
     reported = gaincert("report", tmp_path / "out")
     assert reported.returncode == 0, reported.stderr
     text = (tmp_path / "out" / "report.html").read_text()

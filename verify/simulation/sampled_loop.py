@@ -30,7 +30,6 @@ from .trajectory import Trajectory
 
 SUBSTEP = 0.01  # s, of the Runge-Kutta method of order 4 between samples
 STICTION_SPEED = 0.01  # rad/s of a wheel, over which Coulomb friction changes its sign
-SHORTEST, LONGEST, HALVINGS = 2e-3, 2.0, 8  # s, s: the range of the search for the largest sample time
 STORED = 0.1  # s between the points of a stored run
 
 
@@ -68,10 +67,6 @@ class SampledLoop:
         energies = self.loop.translational_energy(state), self.loop.rotational_energy(state)
         trajectory = Trajectory(np.array(t), state, np.concatenate(left), np.concatenate(right), *energies)
         return self._summary(outcomes, trajectory, nominal), trajectory
-
-    def with_sample_time(self, sample_time: float) -> SampledLoop:
-        """The same loop at another sample time, s."""
-        return replace(self, disturbance=replace(self.disturbance, sample_time=sample_time))
 
     def samples(self, state: State) -> Iterator[Sample]:
         """The motion from a state (..., N), sample by sample. Raises UndecidedError where it is not finite."""
@@ -163,29 +158,6 @@ class Sample:
     after: State
     tau_left: Floats  # N m, commanded from the measurement at t
     tau_right: Floats  # N m
-
-
-def largest_sample_time(sampled: SampledLoop, starts: Sequence[State]) -> float | None:
-    """The largest sample time, s, at which all starts settle within torque limits, by bisection; None where none does.
-
-    Bisection on a logarithmic scale assumes that a shorter sample time is never worse.
-    """
-
-    def acceptable(sample_time: float) -> bool:
-        try:
-            return sampled.with_sample_time(sample_time).outcomes(starts).acceptable
-        except UndecidedError:
-            return False
-
-    low, high = math.log(SHORTEST), math.log(LONGEST)
-    largest = None
-    for _ in range(HALVINGS):
-        middle = (low + high) / 2
-        if acceptable(math.exp(middle)):
-            low, largest = middle, math.exp(middle)
-        else:
-            high = middle
-    return largest
 
 
 # -- the parts ---------------------------------------------------------------------------------------------------------

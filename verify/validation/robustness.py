@@ -10,7 +10,8 @@ from typing import Any
 from ...models.equations import State
 from ...models.fleet import Fleet
 from ..simulation.disturbance import Disturbance, parts
-from ..simulation.sampled_loop import Outcomes, SampledLoop, largest_sample_time
+from ..simulation.sampled_loop import Outcomes, SampledLoop
+from .margins import Margin, margins
 from .spread import Spread
 from .start_result import StartResult
 from .validate import ValidationSpec
@@ -64,30 +65,20 @@ class Robustness:
     """The results of a design under disturbances."""
 
     disturbed: tuple[DisturbedRuns, ...] = ()
-    searched: bool = False  # whether the largest sample time was searched for
-    largest_sample_time: float | None = None  # s; None if no sample time lets all starts settle
+    margins: tuple[Margin, ...] = ()  # empty unless asked for
 
     def to_json(self) -> dict[str, Any]:
         """The entries of validation.json."""
         document: dict[str, Any] = {}
         if self.disturbed:
             document["disturbed"] = [runs.to_json() for runs in self.disturbed]
-        if self.searched:
-            document["largest_sample_time_s"] = self.largest_sample_time
+        if self.margins:
+            document["margins"] = {margin.search.kind: margin.to_json() for margin in self.margins}
         return document
 
     def sentences(self) -> list[str]:
         """The same for a reader."""
-        lines = [runs.sentence() for runs in self.disturbed]
-        if self.searched:
-            largest, what = self.largest_sample_time, f"all starts settle within torque limits{self._others}"
-            when = "at no sample time" if largest is None else f"up to a sample time of {largest:.3g} s"
-            lines.append(f"{when} {what}")
-        return lines
-
-    @property
-    def _others(self) -> str:
-        return ", with the other disturbances on" if len(self.disturbed) > 1 else ""
+        return [part.sentence() for part in (*self.disturbed, *self.margins)]
 
 
 UNTRIED = Robustness()
@@ -100,13 +91,10 @@ def robustness(
     results: Sequence[StartResult],
     *,
     disturbance: Disturbance | None,
-    largest: bool,
+    search: bool,
     progress: Progress = lambda _what, _fraction: None,
 ) -> Robustness:
-    """Each kind of disturbance against the nominal results of the same starts; the largest sample time on request.
-
-    The search for it keeps all other disturbances on.
-    """
+    """Each kind of disturbance against the nominal results of the same starts, and the margins if `search` says so."""
 
     def sampled(real: Disturbance) -> SampledLoop:
         return SampledLoop(fleet, spec.loop, real, spec.horizon, spec.tolerance)
@@ -117,7 +105,6 @@ def robustness(
     for number, part in enumerate(tried):
         progress("disturbed runs", number / len(tried))
         disturbed.append(DisturbedRuns(part, sampled(part).outcomes(starts), nominal))
-    if not largest:
+    if not search:
         return Robustness(tuple(disturbed))
-    progress("largest sample time", 0.0)
-    return Robustness(tuple(disturbed), True, largest_sample_time(sampled(disturbance or Disturbance()), starts))
+    return Robustness(tuple(disturbed), tuple(margins(sampled(disturbance or Disturbance()), starts, progress)))

@@ -106,7 +106,6 @@ def test_any_attitude_of_a_frame_gives_the_rotated_tensor(tmp_path, seed):
 
 
 @pytest.mark.needs("shared")
-@pytest.mark.needs("shared")
 def test_the_turtlebot3_burger(shared):
     # The base about its own vertical; wheels at +-0.08 m, rolled by -1.57; caster at -0.081, scanner at -0.032.
     s, c = math.sin(-1.57), math.cos(-1.57)
