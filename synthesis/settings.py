@@ -33,8 +33,8 @@ class Settings:
     starts_vehicles: int = 2000  # in all far starts of a comparison together: a large fleet is simulated from fewer
 
     # Exploration: random candidates around the fleet's typical scalars and around those of the averaged program.
-    explored: int = 360  # candidates
-    exploration_batch: int = 120  # candidates at a time: the best so far limits how long the next are simulated
+    explored: int = 960  # candidates
+    exploration_batch: int = 240  # candidates at a time: the best so far limits how long the next are simulated
     exploration_spread: float = 0.8  # standard deviation, in logarithms
     exploration_share: float = 0.25  # of the work, after which it ends
     first_horizon: float = 64.0  # tau, and the way at top speed; doubled until enough candidates settle
@@ -94,13 +94,13 @@ FAST = Settings()
 DRAFT = replace(
     FAST,
     work=4e8,
-    explored=120,
+    explored=240,
     basins=2,
     generations=3,
     training_starts=24,
     heldout_starts=8,
     ranking_starts=12,
 )
-BEST = replace(FAST, separate_gains=True, keep_on_interrupt=True, explored=960, basins=8, scalars_share=0.4)
+BEST = replace(FAST, separate_gains=True, keep_on_interrupt=True, basins=8, scalars_share=0.4)
 MODES = {"draft": DRAFT, "fast": FAST, "best": BEST}
 WORK_PER_SECOND = 1.5e8  # of two cores, which a time limit is translated with

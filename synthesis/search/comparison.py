@@ -33,7 +33,7 @@ class Comparison:
         self._heldout = StartSet.both(heldout, near)
         self._next = 0  # of the training starts
         way = task.half_width / float(np.min(task.data.speed))
-        self.horizon = way + settings.first_horizon * task.typical.time  # s, of the exploration
+        self.shortest = way + settings.first_horizon * task.typical.time  # horizon, s, that the exploration begins with
         self.longest = way + settings.longest_horizon * task.typical.time
 
     @property
@@ -48,9 +48,9 @@ class Comparison:
         self.least = min([self.least, *costs])
         return costs
 
-    def explored(self, proposals: Sequence[Proposal]) -> Array:
-        """Costs (s) over a few starts, up to the horizon of the exploration."""
-        return self._costs(proposals, self._next_starts(self.settings.explored_starts, again=True), self.horizon)
+    def explored(self, proposals: Sequence[Proposal], horizon: float) -> Array:
+        """Costs (s) over a few starts, up to a horizon in s."""
+        return self._costs(proposals, self._next_starts(self.settings.explored_starts, again=True), horizon)
 
     def learned(self, proposals: Sequence[Proposal]) -> Array:
         """Costs (s) over the next training starts."""

@@ -2,41 +2,49 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..task import Progress
 from .comparison import Comparison
 from .space import Point, Space
 
+Floats = NDArray[np.float64]
 Scored = tuple[float, Point]  # with its cost, s
 
 
 def explore(comparison: Comparison, space: Space, centres: Sequence[Point], progress: Progress) -> list[Scored]:
-    """The centres and random points around them, by cost over a few starts, least first."""
+    """The best of the centres and of random points around them, by cost over a few starts, least first."""
     settings = comparison.settings
     random = np.random.default_rng(comparison.task.options.seed)
     scored: list[Scored] = []
-    while len(scored) < settings.explored and comparison.share < settings.exploration_share:
-        count = min(settings.exploration_batch, settings.explored - len(scored))
+    tried, horizon = 0, comparison.longest
+    while tried < settings.explored and comparison.share < settings.exploration_share:
+        count = min(settings.exploration_batch, settings.explored - tried)
         chosen = np.array(centres)[random.integers(len(centres), size=count)]
         drawn = chosen + settings.exploration_spread * random.standard_normal((count, space.size))
-        points = [*([] if scored else centres), *space.snapped(drawn)]
-        scored = by_cost([*scored, *_scored(comparison, space, points, settings.basins, first=not scored)])
-        comparison.horizon = min(comparison.horizon, settings.explored_horizon * scored[0][0])
-        progress("searching: random scalars", min(1.0, len(scored) / settings.explored))
+        points = space.snapped(drawn) if tried else np.vstack([centres, space.snapped(drawn)])
+        scored = by_cost([*scored, *_best(comparison, space, points, horizon)])
+        horizon = min(horizon, settings.explored_horizon * scored[0][0])
+        tried += count
+        progress("searching: random scalars", min(1.0, tried / settings.explored))
     comparison.least = scored[0][0]
     return scored
 
 
-def _scored(comparison: Comparison, space: Space, points: Sequence[Point], enough: int, first: bool) -> list[Scored]:
-    """The points with their costs; the first ones with a longer horizon, until enough of them settle mostly."""
-    proposals = space.proposals(points)
-    costs = comparison.explored(proposals)
-    while first and np.sum(costs < comparison.horizon) < enough and comparison.horizon < comparison.longest:
-        comparison.horizon = min(2 * comparison.horizon, comparison.longest)
-        costs = comparison.explored(proposals)
+def _best(comparison: Comparison, space: Space, points: Floats, longest: float) -> list[Scored]:
+    """The best points with their costs: the better half goes on to twice the horizon, until enough of them settle."""
+    settings, horizon = comparison.settings, min(comparison.shortest, longest)
+    costs = comparison.explored(space.proposals(points), horizon)
+    enough = settings.basins
+    while np.sum(costs < horizon) < enough and horizon < longest and comparison.share < settings.exploration_share:
+        horizon = min(2 * horizon, longest)
+        better = np.argsort(costs, kind="stable")[: max(2 * enough, math.ceil(len(points) / 2))]
+        points = points[better]
+        costs = comparison.explored(space.proposals(points), horizon)
     return list(zip(costs.tolist(), points, strict=True))
 
 

@@ -23,7 +23,7 @@ class Run:
         self._converged = settings.converged
         self._strategy = CmaEs(begin, spread, population, space.task.options.seed)
         self._points = np.zeros((0, len(begin)))
-        self.new: list[Point] = []  # the centre after the last generation and its best point
+        self.new: list[Point] = [begin]  # later the centre after the last generation and its best point
 
     @property
     def converged(self) -> bool:
@@ -45,12 +45,13 @@ class Run:
 def halve(
     comparison: Comparison, runs: Sequence[Run], until: float, elite: list[Scored], progress: Progress
 ) -> list[Scored]:
-    """Advance all runs, then the better half, then the better half of those, and at last the best alone.
+    """Compare the beginnings; advance all runs, then the better half, and so on, and at last the best alone.
 
     It ends with a share `until` of the work. Returns `elite` with the best points that were met, least cost first;
     it is changed in place as well, so that an interrupt leaves it as far as it came.
     """
     going = list(runs)
+    _compare(comparison, going, elite)
     while going and comparison.share < until:
         for generation in range(comparison.settings.generations):
             if comparison.share >= until:
@@ -58,15 +59,20 @@ def halve(
             _advance(comparison, going)
             done = max((generation + 1) / comparison.settings.generations, comparison.share)
             progress(f"searching: {comparison.least:.3g} s", min(1.0, done))
-        new = [(run, point) for run in going for point in run.new]
-        costs = comparison.compared([run.space.proposal(point) for run, point in new])
-        for (run, point), value in zip(new, costs.tolist(), strict=True):
-            run.best = min(run.best, value)
-            elite.append((value, run.space.extended(point) if len(point) < run.space.size else point))
-        elite[:] = by_cost(elite)[: comparison.settings.elite]
+        _compare(comparison, going, elite)
         going = sorted(going, key=lambda run: run.best)[: math.ceil(len(going) / 2)]
         going = [run for run in going if not run.converged]
     return elite
+
+
+def _compare(comparison: Comparison, runs: Sequence[Run], elite: list[Scored]) -> None:
+    """What the runs have newly met, over the held-out starts; the best are kept in `elite`."""
+    new = [(run, point) for run in runs for point in run.new]
+    costs = comparison.compared([run.space.proposal(point) for run, point in new])
+    for (run, point), value in zip(new, costs.tolist(), strict=True):
+        run.best = min(run.best, value)
+        elite.append((value, run.space.extended(point) if len(point) < run.space.size else point))
+    elite[:] = by_cost(elite)[: comparison.settings.elite]
 
 
 def _advance(comparison: Comparison, runs: Sequence[Run]) -> None:

@@ -576,7 +576,7 @@ def options() -> list[Bad]:
         bad(SIMULATE, "--tolerance 0 0.1", r"--tolerance 0 0\.1: both must be"),
         bad(SIMULATE, "--tolerance 1e308 1", r"--tolerance 1e\+308 1: both must be finite"),
         bad(SIMULATE, "--tolerance 1", r"--tolerance'? requires 2 arguments"),
-        typed(DESIGN, "--mode slow", f"'slow' {choice} 'fast', 'best'"),
+        typed(DESIGN, "--mode slow", f"'slow' {choice} 'draft', 'fast', 'best'"),
         typed(DESIGN, "--conditions none", f"'none' {choice} 'paper', 'corrected', 'rate-bounded'"),
         typed(DESIGN, "--digits 0", f"{below} 2"),
         typed(DESIGN, "--digits 99", f"{above} 15"),

@@ -240,7 +240,7 @@ def test_near_starts_are_among_the_starts(monkeypatch: pytest.MonkeyPatch) -> No
     used = recorded(monkeypatch, [20.0] * 3)
     task = task_of()
     trials = Comparison(task, None)
-    for ask in (trials.explored, trials.learned, trials.compared):
+    for ask in (lambda some: trials.explored(some, 100.0), trials.learned, trials.compared):
         ask([task.proposal("here", task.typical)])
     for starts, _ in used:
         distances = [np.hypot(some[0], some[1]).max(axis=0) for some in starts if some is not None]
@@ -272,7 +272,11 @@ def test_every_generation_learns_from_the_next_starts(monkeypatch: pytest.Monkey
     names = {
         some[..., k].tobytes(): name for some, word in ((far, "abcde"), (near, "vwxyz")) for k, name in enumerate(word)
     }
-    asked = (trials.explored, trials.explored, trials.learned, trials.learned, trials.explored, trials.learned)
+
+    def explored(some: list[Proposal]) -> Any:
+        return trials.explored(some, 100.0)
+
+    asked = (explored, explored, trials.learned, trials.learned, explored, trials.learned)
     for ask in asked:
         ask([task.proposal("here", task.typical)])
     seen = ["".join(names[some[..., 0].tobytes()] for some in starts) for starts, _ in used]
@@ -296,22 +300,23 @@ def test_the_least_cost_so_far_limits_how_far_others_are_simulated(monkeypatch: 
     assert trials.work == sum(7.0 * sum(some.shape[-1] for some in starts) for starts, _ in used)
 
 
-def test_the_exploration_runs_until_enough_candidates_settle() -> None:
-    """The horizon is doubled for the first ones; after that the least cost so far limits it."""
-    task = task_of(replace(TINY, basins=1, explored=4, exploration_batch=2))
+def test_the_better_half_of_the_explored_goes_on_until_enough_settle() -> None:
+    """The horizon is doubled for them; after the first batch the least cost so far limits it."""
+    task = task_of(replace(TINY, basins=1, explored=16, exploration_batch=8))
     space, trials, asked = Space.of(task), Comparison(task, None), []
-    begin = trials.horizon
+    begin = trials.shortest
 
-    def explored(proposals: list[Proposal]) -> Any:
-        asked.append(trials.horizon)
-        settles = trials.horizon > 3 * begin
-        return np.linspace(5.0, 6.0, len(proposals)) if settles else np.full(len(proposals), 2 * trials.horizon)
+    def explored(proposals: list[Proposal], horizon: float) -> Any:
+        asked.append((len(proposals), horizon))
+        settles = horizon > 3 * begin
+        return np.linspace(begin, 6.0 * begin, len(proposals)) if settles else np.full(len(proposals), 2 * horizon)
 
     trials.explored = explored  # type: ignore[method-assign, assignment]
-    best = explore(trials, space, [space.point(task.typical)], silent)[0]
-    assert asked[:3] == [begin, 2 * begin, 4 * begin]
-    assert asked[3:] == [FAST.explored_horizon * 5.0]
-    assert trials.least == best[0] == 5.0
+    best = explore(trials, space, [space.point(task.typical)], silent)
+    limit = FAST.explored_horizon * begin
+    assert asked == [(9, begin), (5, 2 * begin), (3, 4 * begin), (8, begin), (4, 2 * begin), (2, limit)]
+    assert len(best) == 3 + 2
+    assert trials.least == best[0][0] == begin
 
 
 def test_the_search_begins_in_basins_that_differ() -> None:
@@ -327,7 +332,7 @@ def test_random_scalars_are_tried_around_the_incumbents() -> None:
     def tried(seed: int) -> list[tuple[float, list[float]]]:
         task = task_of(replace(TINY, explored=50), seed=seed)
         space, trials = Space.of(task), Comparison(task, None)
-        trials.explored = lambda proposals: np.array([abs(one.scalars.e - 1.5) for one in proposals])  # type: ignore[method-assign, assignment, union-attr]
+        trials.explored = lambda proposals, _: np.array([abs(one.scalars.e - 1.5) for one in proposals])  # type: ignore[method-assign, assignment, union-attr]
         centres = [space.point(task.typical), space.point(task.typical.scaled([2.0] * 10))]
         return [(value, point.tolist()) for value, point in explore(trials, space, centres, silent)]
 
@@ -476,13 +481,14 @@ def test_new_candidates_are_compared_over_starts_that_the_runs_did_not_learn_fro
         return np.arange(float(len(proposals)))[::-1]  # the last of every generation is lucky
 
     trials.learned = learned  # type: ignore[method-assign, assignment]
-    trials.compared = lambda _: np.array([4.0, 2.0, 1.0, 3.0])  # type: ignore[method-assign, assignment]
+    answers = iter([[5.0, 6.0], [4.0, 2.0, 1.0, 3.0]])
+    trials.compared = lambda _: np.array(next(answers))  # type: ignore[method-assign, assignment]
     elite = halve(trials, runs, 1.0, [], silent)
     assert told == [[11.0, 10.0, 9.0, 8.0, 7.0, 6.0], [5.0, 4.0, 3.0, 2.0, 1.0, 0.0]]
     assert [run.best for run in runs] == [2.0, 1.0]
-    assert [value for value, _ in elite] == [1.0, 2.0, 3.0, 4.0]
+    assert [value for value, _ in elite] == [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]  # with the beginnings
     new = [runs[1].new[0], runs[0].new[1], runs[1].new[1], runs[0].new[0]]
-    assert all((point == other).all() for (_, point), other in zip(elite, new, strict=True))
+    assert all((point == other).all() for (_, point), other in zip(elite[:4], new, strict=True))
     assert (runs[0].new[1] == runs[0]._points[-1]).all()
 
 
