@@ -9,8 +9,9 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from ...models.equations import Plant, State, motion
+from ...models.equations import State, motion
 from ...models.excitation import Excitation
+from ...models.friction import friction_torques
 from .closed_loop import (
     PLANT,
     Controls,
@@ -29,7 +30,7 @@ from .loops import At, LoopNest, Part
 from .runge_kutta import Array
 from .single_functions import single_ops
 
-STEPS_WITH_FRICTION = 4  # of a sample time
+STEPS_WITH_FRICTION = 2  # of a sample time
 
 
 class Sampled(Columns):
@@ -59,7 +60,7 @@ class Sampled(Columns):
             "state": self._state,
             "measured": self._state if self._noise is None else np.empty_like(self._state),
             "true_plant": rows([getattr(true, name) for name in PLANT], setup.vehicles),
-            "motion": rows([h, *friction, _stopping_speed(setup, true, h)], setup.vehicles),
+            "motion": rows([h, *friction], setup.vehicles),
             "turning": np.asarray(turning, dtype=Single),
             "sample_time": np.full((1, 1), disturbance.sample_time, Single),
             "goal": setup.goal,
@@ -137,12 +138,6 @@ class Sampled(Columns):
         return np.asarray(~np.isfinite(self.far))
 
 
-def _stopping_speed(setup: Setup, plant: Plant, h: float) -> Array:
-    """The wheel speed (N,), rad/s, over which Coulomb friction changes its sign: what it can stop in two steps."""
-    give = 1 / (plant.m * plant.r**2) + plant.arm**2 / (plant.inertia * plant.r**2)
-    return np.asarray(np.maximum(2 * h * setup.disturbance.coulomb * give, np.finfo(Single).tiny))
-
-
 @lru_cache(maxsize=16)
 def _program(excitation: Excitation, noisy: bool, friction: bool) -> Program:
     """One sample: measure, find torques, move, and see how far away the vehicles are."""
@@ -174,20 +169,18 @@ def _move(friction: bool) -> LoopNest:
     """The motion under held torques, and the largest squared error over its tolerance where it ends."""
     ops, each, item = single_ops(), At.EACH, At.ITEM
     state, numbers, torques = ca.SX.sym("state", 5), ca.SX.sym("plant", len(PLANT)), ca.SX.sym("torques", 2)
-    constants, goal, within = ca.SX.sym("constants", 4), ca.SX.sym("goal", POSE), ca.SX.sym("within", POSE)
+    constants, goal, within = ca.SX.sym("constants", 3), ca.SX.sym("goal", POSE), ca.SX.sym("within", POSE)
     furthest, plant = ca.SX.sym("furthest"), symbolic_plant(numbers)
-    h, coulomb, viscous, stopping_speed = ca.vertsplit(constants)
+    h, coulomb, viscous = ca.vertsplit(constants)
+
+    begin, held = State(*ca.vertsplit(state)), ca.vertsplit(torques)
+    if friction:
+        lost = friction_torques(_clip, plant, begin, held, coulomb, viscous, h)
+        held = [held[k] - lost[k] for k in (0, 1)]
 
     def rate(now: State) -> State:
-        left, right = ca.vertsplit(torques)
-        if friction:
-            # (2) conserves power: the left wheel turns at (v + arm omega) / r, the right one at (v - arm omega) / r.
-            speeds = [(now.v + sign * plant.arm * now.omega) / plant.r for sign in (1, -1)]
-            lost = [coulomb * ops.tanh(speed / stopping_speed) + viscous * speed for speed in speeds]
-            left, right = left - lost[0], right - lost[1]
-        return motion(ops, plant, now, left, right)
+        return motion(ops, plant, now, *held)
 
-    begin = State(*ca.vertsplit(state))
     middle = _along(begin, rate(begin), h / 2)
     end = _along(begin, rate(middle), h)
     far = ca.fmax(excess(ca.vertcat(*end[:POSE]), goal, within), furthest)
@@ -203,6 +196,10 @@ def _move(friction: bool) -> LoopNest:
     ]
     function = ca.Function("move", arguments, [ca.vertcat(*end), far])
     return LoopNest(function, places, [("state", each), ("furthest", At.COLUMN)])
+
+
+def _clip(x: Any, limit: Any) -> Any:
+    return ca.fmin(ca.fmax(x, -limit), limit)
 
 
 def _along(state: State, rate: State, by: Any) -> State:

@@ -50,7 +50,9 @@ def test_the_sampled_run_tends_to_the_nominal_one(paper, loop, starts) -> None:
 def test_friction_takes_power_and_nothing_else(fleet, draw_state) -> None:
     """The power that friction takes from the kinetic energy, by (2), is that at the wheels."""
     plant, state = fleet.plant(), draw_state(len(fleet))
-    left, right = module._friction(plant, state, Disturbance(coulomb=0.3, viscous=0.02))
+    zero = np.zeros(len(fleet))
+    rubbing = Disturbance(coulomb=0.3, viscous=0.02)
+    left, right = (-torque for torque in module._after_friction(plant, state, (zero, zero), rubbing, 1e-9))
     v_rate, omega_rate = accelerations(plant, -left, -right)
     power = plant.m * state.v * v_rate + plant.inertia * state.omega * omega_rate
     wheels = [(state.v + sign * plant.arm * state.omega) / plant.r for sign in (1, -1)]

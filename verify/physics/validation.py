@@ -122,8 +122,8 @@ class _Watch:
         """The first of each pair, when it has been looked at."""
         for number, (real, model) in enumerate(pairs):
             if number % self._every == 0:
-                places = (np.concatenate([sample.before.x, sample.before.y]) for sample in (real, model))
-                self._points.append((real.t, *places))
+                here, there = (np.concatenate([sample.before.x, sample.before.y]) for sample in (real, model))
+                self._points.append((real.t, here, there))
             torque = np.maximum(np.abs(real.tau_left), np.abs(real.tau_right))
             self.bound_ratio = max(self.bound_ratio, float((torque / self._bounds).max()))
             apart = np.hypot(real.after.x - model.after.x, real.after.y - model.after.y)

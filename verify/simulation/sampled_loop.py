@@ -18,6 +18,7 @@ from ...models.algebra.ops import numpy_ops
 from ...models.equations import Plant, State, control, motion
 from ...models.errors import UndecidedError
 from ...models.fleet import Fleet
+from ...models.friction import friction_torques
 from ...models.graph import Graph
 from ...models.off_axle import OffAxle
 from ...models.tolerance import Tolerance
@@ -29,7 +30,6 @@ from .summary import Summary
 from .trajectory import Trajectory
 
 SUBSTEP = 0.01  # s, of the Runge-Kutta method of order 4 between samples
-STICTION_SPEED = 0.01  # rad/s of a wheel, over which Coulomb friction changes its sign
 STORED = 0.1  # s between the points of a stored run
 
 
@@ -203,13 +203,11 @@ def _step(
     tau_right: Floats,
     disturbance: Disturbance,
 ) -> State:
-    """One sample time under held torques, by the classical Runge-Kutta method."""
+    """One sample time under held torques, by the classical Runge-Kutta method; friction is constant over its steps."""
     steps = math.ceil(disturbance.sample_time / SUBSTEP)
     h = disturbance.sample_time / steps
 
     def rate(now: State) -> State:
-        friction = _friction(plant, now, disturbance)
-        torques = tau_left - friction[0], tau_right - friction[1]
         rates = motion(numpy_ops(), plant, now, *torques)
         if off_axle is None:
             return rates
@@ -217,6 +215,7 @@ def _step(
         return rates._replace(v=v_rate, omega=omega_rate)
 
     for _ in range(steps):
+        torques = _after_friction(plant, state, (tau_left, tau_right), disturbance, h)
         k1 = rate(state)
         k2 = rate(_along(state, k1, h / 2))
         k3 = rate(_along(state, k2, h / 2))
@@ -226,14 +225,18 @@ def _step(
     return state
 
 
-def _friction(plant: Plant, state: State, disturbance: Disturbance) -> tuple[Any, Any]:
-    """Friction torque of the left and the right wheel, N m, against their speeds."""
+def _after_friction(
+    plant: Plant, state: State, torques: tuple[Floats, Floats], disturbance: Disturbance, h: float
+) -> tuple[Floats, Floats]:
+    """What friction leaves of the left and the right torque over a step of h seconds, N m."""
     if not (disturbance.coulomb or disturbance.viscous):
-        return 0.0, 0.0
-    # (2) conserves power: the left wheel turns at (v + arm omega) / r, the right one at (v - arm omega) / r.
-    speeds = [(state.v + sign * plant.arm * state.omega) / plant.r for sign in (1, -1)]
-    left, right = (disturbance.coulomb * np.tanh(s / STICTION_SPEED) + disturbance.viscous * s for s in speeds)
-    return left, right
+        return torques
+    lost = friction_torques(_clip, plant, state, torques, disturbance.coulomb, disturbance.viscous, h)
+    return torques[0] - lost[0], torques[1] - lost[1]
+
+
+def _clip(x: Floats, limit: float) -> Floats:
+    return np.clip(x, -limit, limit)
 
 
 def _along(state: State, slope: State, by: float) -> State:

@@ -77,7 +77,7 @@ def searches_for(sampled: SampledLoop) -> list[Search]:
 
 def with_value(sampled: SampledLoop, kind: str, value: float) -> SampledLoop:
     """The same loop with another value of one disturbance; noise of headings grows with that of positions."""
-    changes = {kind: value}
+    changes: dict[str, Any] = {kind: value}
     if kind == "noise_position":
         changes["noise_heading"] = value * _heading_noise(sampled)
     return replace(sampled, disturbance=replace(sampled.disturbance, **changes))

@@ -78,7 +78,8 @@ class Robustness:
 
     def sentences(self) -> list[str]:
         """The same for a reader."""
-        return [part.sentence() for part in (*self.disturbed, *self.margins)]
+        found: list[DisturbedRuns | Margin] = [*self.disturbed, *self.margins]
+        return [one.sentence() for one in found]
 
 
 UNTRIED = Robustness()
