@@ -67,3 +67,12 @@ def did_you_mean(word: Any, known: Iterable[str]) -> str:
     """A similar known word, in brackets; empty without one."""
     close = difflib.get_close_matches(str(word), list(known)[:2000], 1)
     return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def shown(value: Any) -> str:
+    """A value for a message, shortened if it is long."""
+    try:
+        text = repr(value) if isinstance(value, str) else str(value)
+    except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply
+        return "(too long to show)"
+    return text if len(text) <= 60 else f"{text[:57]}..."

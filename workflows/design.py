@@ -57,7 +57,9 @@ def design_gains(printer: Printer, fleet: Fleet, options: DesignOptions, pool: P
 
 
 def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, Any]:
-    """Write design.json, gains.csv and the copy of the fleet; returns the content of design.json."""
+    """Write design.json, gains.csv with its psi, and the copy of the fleet; returns the content of design.json."""
+    from ..models.digests import Digests
+    from ..models.files.psi_file import write_psi
     from ..models.files.text import write_json
     from ..reports.deployment import write_fleet_copy
     from ..reports.tables.gain_table import for_terminal, rows, write_csv
@@ -67,7 +69,7 @@ def write_design(printer: Printer, design: Design, folder: Path) -> dict[str, An
     document = DesignFile.of(design, versions()).content()
     table = rows(design.used_fleet, design.excitation, design.gains)
     write_json(folder / "design.json", document)
-    write_csv(folder / "gains.csv", table)
+    write_psi(write_csv(folder / "gains.csv", table), design.excitation, design.links, Digests.of_json(document))
     write_fleet_copy(design.fleet, folder)
     printer.say(for_terminal(table), *sentences(design))
     printer.detail(f"wrote {folder / 'design.json'} and {folder / 'gains.csv'}")

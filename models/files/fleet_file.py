@@ -15,7 +15,7 @@ from pydantic import ValidationError
 from ..errors import InputError
 from ..fleet import Fleet
 from ..graph_checks import graph_mistakes
-from .mistakes import explain
+from .mistakes import explain, said_once
 from .robots.fleet_robots import Robot, with_robots
 from .text import read_text
 
@@ -54,6 +54,14 @@ def read_toml(path: Path) -> dict[str, Any]:
         raise InputError(f"{path}: holds a number whose exponent is beyond all reading; correct it") from None
 
 
+def build_fleet(**tables: Any) -> Fleet:
+    """A fleet without a file: the keys and tables of a fleet file as dicts, lists and numbers. Raises InputError.
+
+    build_fleet(name="pair", leader={"position": (0, 0), "heading": 0}, graph={...}, vehicle=[{...}, {...}])
+    """
+    return parse({key: list(value) if isinstance(value, tuple) else value for key, value in tables.items()})
+
+
 def parse(content: dict[str, Any], folder: Path = Path()) -> Fleet:
     """The fleet that the content of a TOML file describes; CSV and URDF paths are taken from `folder`."""
     return parse_file(content, folder).fleet
@@ -74,7 +82,8 @@ def parse_file(content: dict[str, Any], folder: Path = Path()) -> FleetFile:
         mistakes += [line for item in error.errors() for line in explain(item, content)]
         mistakes += [line for line in _raw_graph_mistakes(content) if line not in mistakes]
     if mistakes:
-        raise InputError(*mistakes)
+        vehicles = content.get("vehicle")
+        raise InputError(*said_once(mistakes, len(vehicles) if isinstance(vehicles, (list, tuple)) else 0))
     return FleetFile(fleet, robots)
 
 

@@ -21,13 +21,18 @@ def dumps(fleet: Fleet) -> str:
     tables = {key: content.pop(key) for key in TABLES if key in content}
     lines = _lines(content)
     for key, table in tables.items():
-        lines += ["", f"[{key}]", *_lines(_entries(table))]
+        lines += ["", f"[{key}]", *table_lines(table)]
     for vehicle in vehicles:
         entries = _entries(vehicle)
         if vehicle.torque_limit.left == vehicle.torque_limit.right:
             entries["torque_limit"] = vehicle.torque_limit.left
         lines += ["", "[[vehicle]]", *_lines(entries)]
     return "\n".join(lines) + "\n"
+
+
+def table_lines(table: Table) -> list[str]:
+    """The lines of a TOML table, without its heading."""
+    return _lines(_entries(table))
 
 
 def _entries(table: Table) -> dict[str, Any]:

@@ -3,25 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from decimal import Decimal
-from fractions import Fraction
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from pydantic import TypeAdapter, ValidationError
 
-from ..arrays import Array, column
 from ..errors import InputError, did_you_mean
 from ..excitation import Excitation
 from ..fleet import Fleet
 from ..fleet_tables import ExcitationTable, Links
+from ..gain_checks import checked_gains
 from ..gains import GAIN_NAMES, Gains
-from ..numbers import decimal_text, exact
-from ..saturation import SCALE_NAMES, Saturation
+from ..saturation import SCALE_NAMES
 from .fleet_file import MAX_CSV_BYTES, csv_rows, read_toml
-from .mistakes import explain, shown
+from .mistakes import explain
+from .psi_file import psi_path, read_psi
 from .text import read_text
 
 
@@ -51,7 +50,8 @@ def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
 
     design.json and gains.toml: five keys p_v, d_v, p_omega, d_omega, k_alpha, each a list in file order or (TOML) one
     number for all, and optionally [excitation] and [saturation] as in a fleet file. gains.csv: columns vehicle, the
-    five gains and optionally position_scale, heading_scale, speed_scale, turn_rate_scale. Scales left out are 1.
+    five gains and optionally position_scale, heading_scale, speed_scale, turn_rate_scale; psi and designed weights are
+    read from gains.psi.toml beside it, if that is there. Scales left out are 1.
     """
     path = Path(path)
     readers = {".json": _from_json, ".csv": _from_csv, ".toml": _from_toml}
@@ -62,11 +62,12 @@ def load_gains(path: str | Path, fleet: Fleet) -> GainsFile:
         raise InputError(
             f"{path}: was designed for another fleet ({content.digest}, this is {fleet.digest}); design it again"
         )
-    excitation = _excitation(path, content.excitation) if content.excitation is not None else fleet.psi
+    source = psi_path(path) if path.suffix.lower() == ".csv" else path
+    excitation = _excitation(source, content.excitation) if content.excitation is not None else fleet.psi
     if excitation is None:
         raise InputError(f"{path}: neither it nor the fleet file has an [excitation] table; add one to either")
     gains = _gains(path, content, fleet)
-    links = _links(path, content.weights, fleet) if content.weights is not None else None
+    links = _links(source, content.weights, fleet) if content.weights is not None else None
     return GainsFile(gains, excitation, content.conditions, links)
 
 
@@ -119,7 +120,9 @@ def _from_csv(path: Path, fleet: Fleet) -> _Content:
         return [rows[name][key] for name in fleet.names]
 
     scales = {name: values(f"{name}_scale") for name in SCALE_NAMES if f"{name}_scale" in heading}
-    return _Content({name: values(name) for name in GAIN_NAMES}, scales)
+    beside = read_psi(path)
+    gains = {name: values(name) for name in GAIN_NAMES}
+    return _Content(gains, scales, beside.get("excitation"), weights=beside.get("weights"))
 
 
 def _scales(path: Path, table: Any, fleet: Fleet) -> dict[str, list[Any]]:
@@ -135,44 +138,12 @@ def _scales(path: Path, table: Any, fleet: Fleet) -> dict[str, list[Any]]:
 
 def _gains(path: Path, content: _Content, fleet: Fleet) -> Gains:
     """Exact positive gains and scales, one per vehicle; every mistake at once."""
-    mistakes: list[str] = []
-
-    def numbers(name: str, entries: Any) -> Array:
-        if not isinstance(entries, list) or len(entries) != len(fleet):
-            mistakes.append(f"{path}: {name} must be a list of {len(fleet)} numbers, one per vehicle in file order")
-            return column([])
-        return column(_positive(path, name, fleet.names, entries, mistakes))
-
-    gains = {name: numbers(name, content.gains.get(name)) for name in GAIN_NAMES}
+    mistakes = []
     if fleet.saturation is not None and not content.saturation and not fleet.saturation.scales.unit:
         mistakes.append(
             f"{path}: has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"
         )
-    scales = {name: numbers(f"{name} scale", entries) for name, entries in content.saturation.items()}
-    for name in ("position", "heading"):
-        if name in scales and len(values := sorted(set(scales[name]))) > 1:
-            mistakes.append(
-                f"{path}: the {name} scale must be the same for all vehicles, but is {decimal_text(values[0])} "
-                f"for one and {decimal_text(values[-1])} for another"
-            )
-    if mistakes:
-        raise InputError(*mistakes)
-    network: dict[str, Any] = {name: scales[name][0] for name in ("position", "heading") if name in scales}
-    return Gains(**gains, saturation=Saturation(**{**scales, **network}))
-
-
-def _positive(path: Path, name: str, names: Sequence[str], entries: list[Any], mistakes: list[str]) -> list[Fraction]:
-    numbers = []
-    for vehicle, entry in zip(names, entries, strict=True):
-        try:
-            number = exact(entry)
-        except ValueError as error:
-            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} {error}; it must be a number > 0")
-            continue
-        if number <= 0:
-            mistakes.append(f"{path}: vehicle {vehicle!r}: {name} = {shown(entry)} must be > 0")
-        numbers.append(number)
-    return numbers
+    return checked_gains(str(path), fleet.names, content.gains, content.saturation, mistakes)
 
 
 def _excitation(path: Path, table: Any) -> Excitation:

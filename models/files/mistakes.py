@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any
 
-from ..errors import did_you_mean
+from ..errors import did_you_mean, shown
 from ..fleet import Fleet
+
+NAMED = 3  # vehicles that a line about several names
 
 
 def explain(item: Any, content: dict[str, Any]) -> list[str]:
@@ -22,7 +25,7 @@ def explain(item: Any, content: dict[str, Any]) -> list[str]:
         return [
             f"{place}unknown key {key!r}{did_you_mean(item['loc'][-1], _known_keys(item['loc']))}; correct or remove it"
         ]
-    if kind in ("number", "edge") or isinstance(value, (str, int, Decimal)):
+    if kind in ("number", "edge") or isinstance(value, (str, int, float, Decimal)):
         return [f"{place}{key} = {shown(value)} {_requirement(item)}"]
     return [f"{place}{key} {_requirement(item)}"]
 
@@ -78,10 +81,24 @@ def _table_in(annotation: Any) -> Any:
     return next((table for table in found if table is not None), None)
 
 
-def shown(value: Any) -> str:
-    """A value of a file for a message, shortened if it is long."""
-    try:
-        text = repr(value) if isinstance(value, str) else str(value)
-    except (ValueError, RecursionError):  # an integer of thousands of digits, tables nested too deeply
-        return "(too long to show)"
-    return text if len(text) <= 60 else f"{text[:57]}..."
+_OF_VEHICLE = re.compile(r"vehicle ('(?:[^'\\]|\\.)*'|\"(?:[^\"\\]|\\.)*\"): (.*)", re.DOTALL)
+
+
+def said_once(mistakes: Sequence[str], vehicles: int) -> list[str]:
+    """The same lines, but a mistake that several vehicles share is one line, in the place of the first."""
+    sharing: dict[str, list[str]] = {}
+    for line in mistakes:
+        found = _OF_VEHICLE.fullmatch(line)
+        sharing.setdefault(found[2] if found else line, []).append(found[1] if found else "")
+    return [_said(text, names, vehicles) for text, names in sharing.items()]
+
+
+def _said(text: str, names: list[str], vehicles: int) -> str:
+    if names[0] == "":
+        return text
+    if len(names) == 1:
+        return f"vehicle {names[0]}: {text}"
+    if len(names) == vehicles:
+        return f"every vehicle: {text}"
+    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
+    return f"vehicles {', '.join(names[:NAMED])}{more}: {text}"

@@ -12,11 +12,10 @@ from ...models.files.text import write_text
 from ..deployment import Deployment, fleet_of_folder, load_deployment
 from ..escapes import no_formula
 from ..rendering import render
-from ..tables.gain_table import COLUMNS, CONTROLLER, rows
+from ..tables.gain_table import COLUMNS, rows
 
 RUN_LOG = "mcap"  # the only format that exports a run; the others export gains
 INTERFACES = ("effort", "velocity")
-LONG_TABLE = 40  # with more rows the LaTeX table may break over pages
 SPREADSHEET = "gains_export.csv"  # gains.csv itself keeps names as they are: it is read back
 
 
@@ -53,19 +52,10 @@ def csv_files(deployed: Deployment) -> dict[str, str]:
 
 
 def latex_files(deployed: Deployment) -> dict[str, str]:
-    """gains.tex: a booktabs table that compiles by itself and that another document can input."""
-    table = rows(deployed.fleet, deployed.excitation, deployed.gains)
-    return {
-        "gains.tex": render(
-            "gains.tex",
-            fleet=deployed.fleet,
-            evidence=deployed.evidence,
-            psi=deployed.excitation.table(),
-            table=table,
-            keys=(*CONTROLLER, "torque_bound", "torque_limit"),
-            long=len(table) > LONG_TABLE,
-        )
-    }
+    """gains.tex: gains, psi and margins, for a paper."""
+    from .latex import latex_files as files
+
+    return files(deployed)
 
 
 def markdown_files(deployed: Deployment) -> dict[str, str]:

@@ -18,6 +18,9 @@ from ..rendering import render
 from ..tables.neighbours import Neighbours, neighbours
 
 NODE = "gaincert_node.py"
+RATE = 100.0  # Hz, of a fleet file without a sample_time
+AGE = 0.1  # s, smallest age limit of poses
+MISSED = 5  # poses in a row that may be lost before a robot stops
 _ROS_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
@@ -67,6 +70,7 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
         "torque_bound": float(deployed.torque_bounds[i]),  # N m
         **{name: float(getattr(deployed.gains, name)[i]) for name in GAIN_NAMES},
         **{f"{name}_scale": float(column[i]) for name, column in scales.items()},  # m, rad, m/s, rad/s
+        **timing(deployed),
         "leader_pose": [plant.leader_x, plant.leader_y, plant.leader_theta],  # m, m, rad
         "leader_weight": float(plant.graph.leader_weight[i]),
         "offset": [float(plant.offset_x[i]), float(plant.offset_y[i])],  # m
@@ -81,6 +85,14 @@ def parameters(deployed: Deployment, plant: Plant, near: Neighbours, names: list
     }
     # ROS has no empty lists: leave the entry out and use the node's default.
     return {key: _yaml(value) for key, value in values.items() if value != []}
+
+
+def timing(deployed: Deployment) -> dict[str, float]:
+    """The rate (Hz) and the age limit of poses (s) that [disturbance] asks for, and the time when psi begins (s)."""
+    table = deployed.fleet.disturbance
+    sample_time = float(table.sample_time) if table and table.sample_time else 1 / RATE
+    delay = float(table.delay) if table else 0.0
+    return {"rate": 1 / sample_time, "max_age": max(AGE, MISSED * sample_time + delay), "start_time": 0.0}
 
 
 def motion_parameters(deployed: Deployment) -> list[dict[str, str]]:

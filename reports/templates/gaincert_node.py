@@ -22,6 +22,10 @@ Headings live on the real line, not modulo 2 pi. Each node unwraps its own headi
 publishes it, so that all nodes use the same number for it. The torques are 0 while a pose that is needed is older than
 `max_age`. The proof is about continuous time: see `gaincert simulate --sample-time` before choosing `rate`.
 
+All robots need the same time, because psi(t) must be the same for all: the node takes t = ROS time - `start_time`.
+Keep the robots' clocks together (NTP or chrony do), and give all nodes the same `start_time`. The leader stands at
+`leader_pose`: x, y (m), heading (rad).
+
 Everything above `main` runs without ROS.
 """
 
@@ -46,8 +50,11 @@ except ImportError:  # the pure part is used without ROS
 class Library:
     """The generated C controller, loaded as a shared library."""
 
-    def __init__(self, path: Path, gains_digest: str, size: int) -> None:
-        """Load it. Raises ValueError if it was generated from other gains than the parameters."""
+    def __init__(self, path: Path, gains_digest: str, size: int, leader: list[float] | None = None) -> None:
+        """Load it for a leader at this pose (m, m, rad); None takes the pose that is compiled in.
+
+        Raises ValueError if it was generated from other gains than the parameters.
+        """
         self._c = ctypes.CDLL(str(path.resolve()))
         self._c.gaincert_gains_digest.restype = ctypes.c_char_p
         for name in ("gaincert_torque_bound", "gaincert_torque_limit"):
@@ -58,6 +65,7 @@ class Library:
                 f"{path}: was built for gains {built}, the parameters for {gains_digest}; export both again"
             )
         self.size = size  # vehicles in the fleet
+        self._leader = None if leader is None else (ctypes.c_double * 3)(*leader)
 
     def neighbours(self, vehicle: int) -> list[int]:
         """The vehicles whose poses `torques` reads."""
@@ -69,16 +77,18 @@ class Library:
 
     def torques(self, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
         """Left and right wheel torque, N m, at time t (s)."""
-        return self._pair(self._c.gaincert_torques, vehicle, t, state)
+        return self._pair("gaincert_torques", vehicle, t, state)
 
     def accelerations(self, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
         """The accelerations v' and omega' under these torques, m/s^2 and rad/s^2."""
-        return self._pair(self._c.gaincert_accelerations, vehicle, t, state)
+        return self._pair("gaincert_accelerations", vehicle, t, state)
 
-    def _pair(self, function: object, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
+    def _pair(self, name: str, vehicle: int, t: float, state: FleetState) -> tuple[float, float]:
         first, second = ctypes.c_double(), ctypes.c_double()
         arrays = (state.x, state.y, state.theta, state.v, state.omega)
-        function(vehicle, ctypes.c_double(t), *arrays, ctypes.byref(first), ctypes.byref(second))
+        function = getattr(self._c, name if self._leader is None else f"{name}_led")
+        leader = () if self._leader is None else (self._leader,)
+        function(*leader, vehicle, ctypes.c_double(t), *arrays, ctypes.byref(first), ctypes.byref(second))
         return first.value, second.value
 
 
@@ -188,9 +198,9 @@ class GaincertNode(Node):  # type: ignore[misc]
         size = self._parameter("fleet_size")
         self.max_age = self._parameter("max_age", 0.1)  # s
         path = Path(self._parameter("library", "libgaincert_controller.so"))
-        self.library = Library(path, self._parameter("gains_digest"), size)
+        self.library = Library(path, self._parameter("gains_digest"), size, self._parameter("leader_pose"))
         self.state = FleetState(size)
-        self.start = self._now()
+        self.start = self._parameter("start_time", 0.0)  # s, ROS time; the same for all nodes
         self.velocity = self._parameter("interface", "effort") == "velocity"
         if self.velocity:
             limits = (self._parameter(f"{axis}.max_acceleration") for axis in ("linear.x", "angular.z"))

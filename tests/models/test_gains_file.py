@@ -7,9 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from gaincert.models.digests import Digests
 from gaincert.models.errors import InputError
+from gaincert.models.excitation import Excitation
 from gaincert.models.files.gains_file import GainsFile, load_gains
+from gaincert.models.files.psi_file import psi_path, write_psi
 from gaincert.models.fleet import Fleet
+from gaincert.models.fleet_tables import Links
 from gaincert.models.gains import GAIN_NAMES
 from gaincert.models.paper import paper_fleet
 
@@ -200,3 +204,32 @@ def test_a_fleet_that_gives_scales_wants_them_in_the_file(tmp_path: Path) -> Non
     scaled = paper_fleet().model_copy(update={"saturation": SaturationTable(position="0.3")})
     said = refusal(table(tmp_path), scaled)
     assert said == ["has no scales, which means 1, but the fleet file's [saturation] asks for others; add them"]
+
+
+# -- psi beside a gains.csv --------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("designed", [False, True])
+def test_psi_and_designed_weights_beside_a_table_are_read_with_it(designed: bool, tmp_path: Path) -> None:
+    psi, fleet = Excitation(Fraction(1, 4), Fraction(2), (Fraction(1),), (Fraction(0), Fraction(-3, 2))), paper_fleet()
+    weights = {name: weight / 2 for name, weight in fleet.links.leader_links.items()}
+    links = Links(edges=fleet.links.edges, leader_links=weights) if designed else None
+    for excitation in (psi, Excitation.square_wave(Fraction(5, 4), 5, Fraction(1, 2))):
+        write_psi(table(tmp_path), excitation, links, Digests("fleet", "gains"))
+        content = load_gains(table(tmp_path), fleet.model_copy(update={"excitation": None}))
+        assert content.excitation == excitation
+        assert content.links == links
+        assert load_gains(table(tmp_path), fleet).excitation == excitation  # the file's own comes first
+
+
+def test_a_mistake_in_the_file_beside_a_table_is_said_of_that_file(tmp_path: Path) -> None:
+    path = psi_path(table(tmp_path))
+    for text, line in (
+        ("[excitation]\nfamily = 'harmonics'\nfrequency = -1\nsin = [1]", "excitation: frequency"),
+        ("psi = 3", "unknown key 'psi'; it has the tables excitation, weights"),
+        ("[weights]\nleader_links = { v1 = 1 }", "weights: "),
+    ):
+        path.write_text(text)
+        with pytest.raises(InputError) as caught:
+            load_gains(table(tmp_path), paper_fleet())
+        assert caught.value.mistakes[0].startswith(f"{path}: {line}")

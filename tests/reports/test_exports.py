@@ -8,6 +8,8 @@ import math
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
+from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
@@ -18,15 +20,18 @@ from gaincert.models.arrays import floats
 from gaincert.models.conditions import float_numbers
 from gaincert.models.equations import State, closed_loop, control
 from gaincert.models.errors import InputError, UndecidedError
+from gaincert.models.excitation import Excitation
 from gaincert.models.files.fleet_text import dumps
 from gaincert.models.fleet import Fleet
 from gaincert.models.gains import GAIN_NAMES
 from gaincert.models.motion_bounds import motion_bounds
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.models.saturation import Saturation
 from gaincert.reports.deployment import Deployment, fleet_of_folder, load_deployment, write_fleet_copy
 from gaincert.reports.escapes import c_comment, no_formula, yaml_text
 from gaincert.reports.export import casadi_source
 from gaincert.reports.export.formats import FORMATS, INTERFACES, RUN_LOG, export
+from gaincert.reports.export.latex import margin_rows, psi_formula
 from gaincert.reports.export.ros2 import namespaces, ros2_files
 from gaincert.verify.certificates.certify import certify
 from scipy.integrate import solve_ivp
@@ -243,7 +248,7 @@ def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
     deployed = deployed_of(fleet, paper_excitation(), paper_gains())
     text = FORMATS["latex"](deployed)["gains.tex"]
     if many > 1:  # a table that breaks over pages
-        from gaincert.reports.export import formats as exports
+        from gaincert.reports.export import latex as exports
 
         text = long_table(exports, deployed)
     (tmp_path / "gains.tex").write_text(text)
@@ -257,10 +262,46 @@ def test_latex_compiles_alone_and_inside_a_document(many, tmp_path):
         assert (tmp_path / f"{name}.pdf").stat().st_size > 5000
 
 
+@pytest.mark.needs("latex")
+def test_latex_tables_stay_within_the_margins_of_an_article(tmp_path):
+    saturation = Saturation(Fraction("0.3391"), Fraction("0.01766"), Fraction("4.065"), Fraction("16.03"))
+    for unit in (True, False):
+        gains = paper_gains() if unit else replace(paper_gains(), saturation=saturation)
+        files = FORMATS["latex"](deployed_of(paper_fleet(), paper_excitation(), gains))
+        (tmp_path / "gains.tex").write_text(files["gains.tex"])
+        command = ["pdflatex", "-interaction=nonstopmode", "-halt-on-error", "-no-shell-escape", "gains"]
+        done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False, errors="replace")
+        assert done.returncode == 0, done.stdout[-2000:]
+        assert "Overfull" not in done.stdout
+
+
 def long_table(exports: object, deployed: Deployment) -> str:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(exports, "LONG_TABLE", 3)
         return FORMATS["latex"](deployed)["gains.tex"]
+
+
+def test_latex_has_psi_and_exact_margins_and_fits_into_a_page():
+    """The margins of docs/theory.md, section 6: (15) and (16) are tight under the paper's gains."""
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    text = FORMATS["latex"](deployed)["gains.tex"]
+    assert r"1.25 + \sum_{k=1}^{5} \frac{4}{(2k-1)\pi} \sin((2k-1)\cdot 0.5\,t)" in text
+    assert r"|\psi(t)| \le 2.432328" in text
+    assert "All scales inside $\\tanh$ are 1" in text
+    margins = {row.vehicle: row.margins for row in margin_rows(deployed)}
+    c = math.sqrt(2) * 3 * 2 * float(paper_excitation().bound)
+    assert float(margins["v5"][0]) == pytest.approx(28 * math.tanh(1) - c, rel=1e-4)
+    assert float(margins["v5"][1]) == pytest.approx(504 - 503.52, abs=0.01)
+    assert float(margins["v5"][2]) > 0
+
+
+def test_latex_spells_out_harmonics_and_scales():
+    psi = Excitation(Fraction(0), Fraction(1, 2), (Fraction(-1, 2), Fraction(0)), (Fraction(0), Fraction(3)))
+    gains = replace(paper_gains(), saturation=Saturation(Fraction(1, 4), Fraction(1, 2), Fraction(2), Fraction(3)))
+    assert psi_formula(psi) == r"- 0.5 \sin(0.5\,t) + 3 \cos(1\,t)"
+    assert psi_formula(replace(psi, mean=Fraction(2))).startswith("2 - 0.5")
+    text = FORMATS["latex"](deployed_of(paper_fleet(), psi, gains))["gains.tex"]
+    assert r"$\ell = 0.25$" in text and r"$\rho = 0.5$" in text
 
 
 def test_markdown_has_one_line_for_each_vehicle_and_no_markup_of_names():
@@ -294,6 +335,40 @@ def test_ros2_parameters_load_with_the_types_that_ros_wants():
             assert type(parameters[name]) is float
             assert parameters[name] == float(getattr(paper_gains(), name)[i])
         assert [] not in parameters.values()
+        assert (parameters["rate"], parameters["max_age"], parameters["start_time"]) == (100.0, 0.1, 0.0)
+
+
+@pytest.mark.needs("yaml")
+def test_the_rate_and_the_age_limit_of_the_node_come_from_the_fleet_file():
+    import yaml
+
+    content = {**paper_fleet().model_dump(by_alias=True), "disturbance": {"sample_time": "0.05", "delay": "0.04"}}
+    fleet = Fleet.model_validate(content)
+    written = yaml.safe_load(FORMATS["ros2"](deployed_of(fleet, paper_excitation(), paper_gains()))["gaincert.yaml"])
+    for node in written.values():
+        parameters = node["ros__parameters"]
+        assert (parameters["rate"], parameters["max_age"]) == (20.0, pytest.approx(0.29))
+
+
+@compiler
+def test_the_node_knows_the_leaders_pose_from_its_parameters(node, tmp_path, draw_state):
+    """With the compiled pose nothing changes; with another the commands are those for a leader there."""
+    deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
+    build(deployed, tmp_path)
+    path, digest = tmp_path / "controller.so", deployed.digests.gains
+    plant, known = paper_fleet().plant(), all_known(node, draw_state(6))
+    pose = [plant.leader_x, plant.leader_y, plant.leader_theta]
+    compiled, same = node.Library(path, digest, 6), node.Library(path, digest, 6, pose)
+    moved = node.Library(path, digest, 6, [3.5, -1.0, 0.5])
+    build(deployed, tmp_path, "-DGAINCERT_LEADER_X=3.5", "-DGAINCERT_LEADER_Y=-1.0", "-DGAINCERT_LEADER_THETA=0.5")
+    (tmp_path / "there.so").write_bytes(path.read_bytes())
+    there = node.Library(tmp_path / "there.so", digest, 6)
+    for vehicle in range(6):
+        for ask in ("torques", "accelerations"):
+            found = getattr(compiled, ask)(vehicle, 1.0, known)
+            assert getattr(same, ask)(vehicle, 1.0, known) == found
+            assert getattr(moved, ask)(vehicle, 1.0, known) == getattr(there, ask)(vehicle, 1.0, known)
+    assert moved.torques(1, 1.0, known) != compiled.torques(1, 1.0, known)  # vehicle 2 hears the leader
 
 
 @pytest.mark.needs("yaml")

@@ -5,8 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ...errors import InputError, did_you_mean
-from ..mistakes import shown
+from ...errors import InputError, did_you_mean, shown
 from .description import RobotDescription, read_robot
 from .wheels import WheelNames
 
