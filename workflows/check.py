@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
     """Print the summary of a fleet file and return it, as JSON. Raises InputError with all mistakes."""
     from ..models.files.fleet_file import load_fleet_file
+    from ..models.plausibility import slips
     from ..models.vehicle_notes import centre_of_mass_note, heading_hint
     from ..reports.obstacles import of_fleet
     from ..reports.tables.fleet_summary import fleet_summary
@@ -28,9 +29,9 @@ def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
         printer.say("", *robot.lines())
     if len(robots) > SHOWN:
         printer.say("", f"{len(robots) - SHOWN} more robots; --json lists them")
-    warnings = dict.fromkeys(line for robot in robots for line in robot.warnings)
+    warnings = list(dict.fromkeys([*(line for robot in robots for line in robot.warnings), *slips(read.fleet)]))
     printer.say(*(f"warning: {line}" for line in warnings), *(f"note: {note}" for note in notes))
     obstacles = of_fleet(read.fleet)
     say_obstacles(printer, obstacles)
-    document = {**summary, "robots": [robot.to_json() for robot in robots], "notes": notes}
+    document = {**summary, "robots": [robot.to_json() for robot in robots], "notes": notes, "warnings": warnings}
     return {**document, "obstacles": list(map(str, obstacles))}

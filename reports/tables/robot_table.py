@@ -11,6 +11,7 @@ from ...models.files.robots.fleet_robots import Robot
 from ...models.fleet import Fleet
 from ...models.fleet_tables import Vehicle
 from ...models.numbers import Interval
+from ...models.plausibility import taken_to_be
 from ...models.vehicle_notes import is_off_axle, place_of_mass
 
 SHOWN = 20  # different robots that are printed
@@ -36,36 +37,39 @@ class RobotSummary:
     """The numbers of vehicles that are the same robot."""
 
     vehicles: tuple[str, ...]
+    words: str  # what the robot is taken to be
     entries: tuple[Entry, ...]
     warnings: tuple[str, ...]
 
     def to_json(self) -> dict[str, Any]:
         """The entry in the JSON document of `check`."""
         numbers = [entry._asdict() for entry in self.entries]
-        return {"vehicles": list(self.vehicles), "numbers": numbers, "warnings": list(self.warnings)}
+        return {
+            "vehicles": list(self.vehicles),
+            "taken_to_be": self.words,
+            "numbers": numbers,
+            "warnings": list(self.warnings),
+        }
 
     def lines(self) -> Iterator[str]:
         """The lines that `check` prints."""
         names = ", ".join(self.vehicles[:6]) + (f" and {len(self.vehicles) - 6} more" if len(self.vehicles) > 6 else "")
-        yield f"robot {names}"
+        yield f"robot {names}: {self.words}"
         for entry in self.entries:
             yield f"  {entry.quantity:22} {entry.value:24} {entry.source}"
 
 
 def robot_summaries(read: FleetFile) -> list[RobotSummary]:
     """The robots of a fleet file, in file order; vehicles that are the same robot share an entry."""
-    groups: dict[tuple[tuple[Entry, ...], tuple[str, ...]], list[str]] = {}
+    groups: dict[tuple[str, tuple[Entry, ...], tuple[str, ...]], list[str]] = {}
     robots = read.robots or (None,) * len(read.fleet)
     for vehicle, robot in zip(read.fleet.vehicles, robots, strict=True):
         warnings = (
             tuple(f"{robot.description.path.name}: {line}" for line in robot.description.warnings) if robot else ()
         )
-        groups.setdefault((tuple(_entries(read.fleet, vehicle, robot)), warnings), []).append(vehicle.name)
+        robot_as_read = (taken_to_be(vehicle), tuple(_entries(read.fleet, vehicle, robot)), warnings)
+        groups.setdefault(robot_as_read, []).append(vehicle.name)
     return [RobotSummary(tuple(names), *group) for group, names in groups.items()]
-
-
-def _warnings(robot: Robot) -> tuple[str, ...]:
-    return tuple(f"{robot.description.path.name}: {line}" for line in robot.description.warnings)
 
 
 def _entries(fleet: Fleet, vehicle: Vehicle, robot: Robot | None) -> Iterator[Entry]:

@@ -1,0 +1,188 @@
+"""Numbers that are possible and yet most likely slips: grams, millimetres, kg cm, degrees, the track for its half.
+
+No slip is an error. The thresholds leave room for every robot that we know of.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from .fleet import Fleet
+from .fleet_tables import Leader, Vehicle
+from .numbers import low, nominal
+
+DENSE, LIGHT = 3000.0, 2.0  # kg / m^3, mass over the cube of the track: metal, and foam
+WIDE, TALL = 5.0, 2.0  # m, half track and wheel radius
+FAR = 2000.0  # tracks from the leader
+FIERCE = 90.0  # m/s^2 under full torque; tyres hold about 10
+NARROW, BROAD = 0.5, 5.0  # radius of gyration over half track
+SPINNING = 20.0  # rad/s, limit of a turn rate
+FAST, ROLLING = 30.0, 15.0  # m/s: limit of a speed, and of the rim of a wheel
+NAMED = 3  # vehicles that a line names
+
+
+class Slip(NamedTuple):
+    """One suspicious entry of a vehicle."""
+
+    kind: str
+    text: str  # with the value, and the likely slip
+
+
+def taken_to_be(vehicle: Vehicle) -> str:
+    """The robot in words that a person would notice."""
+    return (
+        f"{_kg(vehicle)} on wheels of {_length(2 * float(nominal(vehicle.wheel_radius)))} diameter, "
+        f"{_length(2 * float(nominal(vehicle.half_track)))} apart; full torque accelerates it at "
+        f"{acceleration(vehicle):.3g} m/s^2"
+    )
+
+
+def acceleration(vehicle: Vehicle) -> float:
+    """The acceleration under the full torque of both wheels, m/s^2, if the tyres held."""
+    torque = sum(low(limit) for limit in (vehicle.torque_limit.left, vehicle.torque_limit.right))
+    return float(torque / (nominal(vehicle.wheel_radius) * nominal(vehicle.mass)))
+
+
+def slips(fleet: Fleet) -> list[str]:
+    """One line for every kind of slip, with the vehicles that it concerns."""
+    found: dict[str, list[tuple[str, str]]] = defaultdict(list)
+    for vehicle in fleet.vehicles:
+        for slip in (*_of_numbers(vehicle), *_of_limits(vehicle), *_of_places(vehicle, fleet.leader)):
+            found[slip.kind].append((vehicle.name, slip.text))
+    return [
+        *_of_leader(fleet.leader),
+        *(_line(entries, len(fleet)) for entries in found.values()),
+        *_on_one_place(fleet),
+    ]
+
+
+def _line(entries: Sequence[tuple[str, str]], count: int) -> str:
+    """The slip of one kind: the first vehicle's text, and how many others it concerns."""
+    name, text = entries[0]
+    if len(entries) == 1:
+        return f"vehicle {name!r}: {text}"
+    same = all(other == text for _, other in entries)
+    who = "every vehicle" if len(entries) == count else some([name for name, _ in entries])
+    return f"{who}: {text}" if same else f"{who}: {text} (these are the numbers of {name!r})"
+
+
+def some(names: Sequence[str]) -> str:
+    """The first names, and how many more there are."""
+    shown = ", ".join(map(repr, names[:NAMED]))
+    return f"vehicles {shown}" + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
+
+
+def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
+    """Mass, lengths, torque and inertia against each other."""
+    mass, radius = float(nominal(vehicle.mass)), float(nominal(vehicle.wheel_radius))
+    half = float(nominal(vehicle.half_track))
+    track, density = _length(2 * half), mass / (2 * half) ** 3
+    gyration = math.sqrt(float(nominal(vehicle.inertia)) / mass) / half
+    if half > WIDE or radius > TALL:
+        yield Slip("lengths", f"wheels of {_length(2 * radius)} diameter, {track} apart: lengths are in m, not in mm")
+        return
+    if not LIGHT <= density <= DENSE:
+        likely = "dense as metal: mass is in kg, not in g" if density > DENSE else "lighter than foam: use kg and m"
+        yield Slip("mass", f"{_kg(vehicle)} between wheels {track} apart is {likely}")
+        return
+    if gyration > BROAD:
+        yield Slip(
+            "inertia",
+            f"inertia = {float(nominal(vehicle.inertia)):g} kg m^2 is that of {_kg(vehicle)} at "
+            f"{_length(gyration * half)} from the centre: it is in kg m^2, not in kg cm^2",
+        )
+    if radius > 2 * half:
+        yield Slip("wheels", f"wheel_radius = {radius:g} m is more than the track of {track}: exchanged, or in cm?")
+    if acceleration(vehicle) > FIERCE:
+        torque = float(low(vehicle.torque_limit.left))
+        yield Slip(
+            "torque",
+            f"torque_limit = {torque:g} N m could accelerate {_kg(vehicle)} at "
+            f"{acceleration(vehicle):.3g} m/s^2, and tyres hold about 10: it is in N m, not in kg cm or N cm",
+        )
+    if gyration < NARROW or (vehicle.footprint is not None and vehicle.footprint < nominal(vehicle.half_track)):
+        yield Slip(
+            "track",
+            f"half_track = {half:g} m puts the wheels {track} apart, far out for this robot: it is half "
+            "the distance between them, not all of it",
+        )
+
+
+def _of_limits(vehicle: Vehicle) -> Iterator[Slip]:
+    """Limits in other units, and starts above limits that are to be certified."""
+    limits, start, radius = vehicle.limits, vehicle.start, float(nominal(vehicle.wheel_radius))
+    if limits.turn_rate is not None and limits.turn_rate > SPINNING:
+        turns = float(limits.turn_rate) / math.tau
+        yield Slip(
+            "turn rate",
+            f"turn_rate = {float(limits.turn_rate):g} rad/s is {turns:.3g} turns a second: use rad/s, not deg/s",
+        )
+    if limits.speed is not None and limits.speed > FAST:
+        yield Slip("speed", f"speed = {float(limits.speed):g} m/s: it is in m/s, not in mm/s")
+    if limits.wheel_speed is not None and float(limits.wheel_speed) * radius > ROLLING:
+        yield Slip(
+            "wheel speed",
+            f"wheel_speed = {float(limits.wheel_speed):g} rad/s rolls at "
+            f"{float(limits.wheel_speed) * radius:.3g} m/s: it is in rad/s, not in rpm",
+        )
+    if start is None:
+        return
+    for key, value, most in (("v", start.v, limits.speed), ("omega", start.omega, limits.turn_rate)):
+        if most is not None and abs(value) > most:
+            yield Slip(
+                f"start {key}",
+                f"starts with {key} = {float(value):g}, above the limit {float(most):g}: "
+                "no gains can be certified for that",
+            )
+
+
+def _of_places(vehicle: Vehicle, leader: Leader) -> Iterator[Slip]:
+    """Places in millimetres, and headings in degrees that are read as radians."""
+    track = 2 * float(nominal(vehicle.half_track))
+    start, points = vehicle.start, {"offset": vehicle.offset}
+    if start is not None:
+        x, y = (here - goal for here, goal in zip(start.position, leader.position, strict=True))
+        points["start"] = x, y
+    for what, point in points.items():
+        if (distance := math.hypot(*point)) > FAR * track:
+            yield Slip(
+                f"{what} place",
+                f"its {what} is {_length(distance)} from the leader: lengths are in m, not in mm",
+            )
+    if start is not None and start.heading is not None and abs(start.heading) > math.tau:
+        yield Slip("heading", _degrees("start heading", float(start.heading)))
+
+
+def _of_leader(leader: Leader) -> Iterator[str]:
+    if leader.heading is not None and abs(leader.heading) > math.tau:
+        yield _degrees("leader: heading", float(leader.heading))
+
+
+def _degrees(what: str, heading: float) -> str:
+    turns = abs(heading) / math.tau
+    return f"{what} = {heading:g} rad is {turns:.3g} turns: for degrees write heading_deg = {heading:g}"
+
+
+def _on_one_place(fleet: Fleet) -> Iterator[str]:
+    """Vehicles with the same offset or the same start."""
+    for what, follows in (("offset", "they collide at the goal"), ("start position", "they start inside each other")):
+        places: dict[object, list[str]] = defaultdict(list)
+        for vehicle in fleet.vehicles:
+            if what == "offset":
+                places[vehicle.offset].append(vehicle.name)
+            elif vehicle.start is not None:
+                places[vehicle.start.position].append(vehicle.name)
+        for names in places.values():
+            if len(names) > 1:
+                yield f"{some(names)} have the same {what}: {follows}; give each its own"
+
+
+def _kg(vehicle: Vehicle) -> str:
+    return f"{float(nominal(vehicle.mass)):.4g} kg"
+
+
+def _length(metres: float) -> str:
+    return f"{1000 * metres:.4g} mm" if metres < 1 else f"{metres:.4g} m"
