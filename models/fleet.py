@@ -21,6 +21,7 @@ from .fleet_content import fleet_content
 from .fleet_tables import DisturbanceTable, ExcitationTable, Leader, Links, Name, SaturationTable, Table, Vehicle
 from .graph import Graph
 from .graph_checks import graph_mistakes
+from .html_table import html_table
 from .numbers import high, low, nominal
 
 
@@ -51,6 +52,25 @@ class Fleet(Table):
 
     def __len__(self) -> int:
         return len(self.vehicles)
+
+    def __repr__(self) -> str:
+        led = sum(1 for weight in self.links.leader_links.values() if weight)
+        return f"Fleet({self.name!r}: {len(self)} vehicles, {len(self.links.edges)} links, {led} to the leader)"
+
+    __str__ = __repr__
+
+    def _repr_html_(self) -> str:
+        headings = ("vehicle", "mass / kg", "inertia / kg m^2", "R / m", "r / m", "torque limit / N m", "offset / m")
+        rows = [
+            [
+                vehicle.name,
+                *map(nominal, (vehicle.mass, vehicle.inertia, vehicle.half_track, vehicle.wheel_radius)),
+                min(low(vehicle.torque_limit.left), low(vehicle.torque_limit.right)),
+                ", ".join(f"{float(value):g}" for value in vehicle.offset),
+            ]
+            for vehicle in self.vehicles
+        ]
+        return html_table(repr(self), headings, rows)
 
     @cached_property
     def names(self) -> list[str]:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
+from numbers import Integral, Real
 from typing import Annotated, Any, NamedTuple
 
 from pydantic import PlainSerializer, PlainValidator
@@ -32,8 +33,10 @@ def _of_text(text: str) -> Fraction:
 
 
 def _checked(value: Any) -> Fraction:
-    if isinstance(value, bool) or not isinstance(value, (int, float, Decimal, str)):
+    if isinstance(value, bool) or not isinstance(value, (Real, Decimal, str)):
         raise ValueError("is not a number")
+    if isinstance(value, Real):  # NumPy's numbers, too
+        value = int(value) if isinstance(value, Integral) else float(value)
     if isinstance(value, int) and abs(value) >= 10 ** (MAX_EXPONENT + 1):
         raise ValueError(f"is larger than 1e{MAX_EXPONENT}")
     try:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import logging
+import math
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 
 from ..models.arrays import floats
-from ..models.conditions import ConditionSet, Inequality, exact_numbers
+from ..models.conditions import ConditionSet, Inequality, exact_numbers, torque_bound
 from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.fleet import Fleet
 from ..models.fleet_tables import Links
-from ..models.gains import Gains
+from ..models.gains import GAIN_NAMES, Gains
+from ..models.html_table import html_table
 from ..models.tolerance import Tolerance
 from .measurement import worker_errors
 from .programs.averaged import local_optima
@@ -54,6 +56,22 @@ class Design:
         return self.conditions.inequalities(
             exact_numbers(), self.used_fleet.condition_data(self.excitation), self.gains
         )
+
+    def __repr__(self) -> str:
+        times = sorted(self.settling)
+        settled = sum(map(math.isfinite, times))
+        median = f", median {times[len(times) // 2]:.0f} s" if settled > len(times) // 2 else ""
+        return (
+            f"Design({self.fleet.name!r}: {len(self.fleet)} vehicles, conditions {self.conditions.name}, "
+            f"{settled} of {len(times)} starts settle{median})"
+        )
+
+    def _repr_html_(self) -> str:
+        data, scales = self.used_fleet.condition_data(self.excitation), self.gains.saturation.columns(len(self.fleet))
+        bounds = torque_bound(exact_numbers(), data, self.gains)
+        columns = [*(getattr(self.gains, name) for name in GAIN_NAMES), *scales.values(), bounds, data.torque]
+        headings = ("vehicle", *GAIN_NAMES, *(f"{name} scale" for name in scales), "T of (16*) / N m", "limit / N m")
+        return html_table(repr(self), headings, list(zip(self.fleet.names, *columns, strict=True)))
 
     @property
     def used_fleet(self) -> Fleet:

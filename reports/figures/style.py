@@ -33,14 +33,18 @@ def shown_vehicles(count: int, most: int = DRAWN) -> list[int]:
 
 
 def save(figure: Any, path: Path, origin: str = "") -> list[Path]:
-    """Write a figure as SVG and PNG, the same bytes for the same data; `origin` states its fleet and gains."""
-    metadata = {"svg": {"Date": None, "Description": origin}, "png": {"Software": None, "Description": origin}}
+    """Write a figure as SVG, PNG and PDF, the same bytes for the same data; `origin` states its fleet and gains."""
+    metadata = {
+        "svg": {"Date": None, "Description": origin},
+        "png": {"Software": None, "Description": origin},
+        "pdf": {"CreationDate": None, "Subject": origin},
+    }
     return [
         write_whole(
             path.with_suffix(f".{kind}"),
             lambda file, kind=kind: figure.savefig(file, format=kind, dpi=150, metadata=metadata[kind]),  # type: ignore[misc]
         )
-        for kind in ("svg", "png")
+        for kind in metadata
     ]
 
 

@@ -344,6 +344,7 @@ CHECKS: dict[str, Callable[[Path], bool]] = {
     ".svg": ends_with(b"</svg>"),
     ".html": ends_with(b"</html>"),
     ".tex": ends_with(b"\\end{document}"),
+    ".pdf": ends_with(b"%%EOF"),
     ".png": ends_with(b"IEND\xaeB`\x82"),
     ".md": lambda path: path.read_bytes().endswith(b"\n"),
 }

@@ -19,6 +19,7 @@ from ...models.fleet import Fleet
 from ...models.fleet_content import excitation_of, numbers_of
 from ...models.fleet_tables import Links
 from ...models.gains import GAIN_NAMES, Gains
+from ...models.html_table import html_table
 from ...models.saturation import SCALE_NAMES, Saturation
 from .. import kernel
 from .repair import Violation
@@ -33,6 +34,20 @@ class Certificate:
     violations: tuple[Violation, ...] = ()
     notes: tuple[str, ...] = ()  # facts of interest that the certificate does not claim
     file_digest: str | None = None  # SHA-256 of the file that it was read from
+
+    def __repr__(self) -> str:
+        found = "VALID" if self.valid else f"INVALID: {self._failures[0]}"
+        vehicles = self.content["fleet"]["vehicles"]
+        return f"Certificate({found}; conditions {self.conditions}, {vehicles} vehicles)"
+
+    def _repr_html_(self) -> str:
+        lines = self.facts if self.valid else self._failures
+        return html_table(repr(self), ["what is proved" if self.valid else "what fails"], [[line] for line in lines])
+
+    @property
+    def _failures(self) -> list[str]:
+        """The broken conditions, or the rule that the kernel found broken."""
+        return list(map(str, self.violations)) or [f"{self.verdict.rule}: {self.verdict.reason}"]
 
     @property
     def valid(self) -> bool:

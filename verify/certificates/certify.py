@@ -14,6 +14,7 @@ from ...models.excitation import Excitation
 from ...models.fleet import Fleet
 from ...models.fleet_content import excitation_content, fixed_point
 from ...models.fleet_tables import Links
+from ...models.gain_checks import exact_gains
 from ...models.gains import GAIN_NAMES, Gains
 from ...models.numbers import decimal_places, decimal_text
 from .. import kernel
@@ -42,10 +43,11 @@ def certify(
 ) -> Certificate:
     """The certificate of these gains for a fleet, with psi and, where they were designed, the links that are used.
 
-    Gains are exact decimals (`Fraction`s). Where a condition is broken the result is not valid and says how to repair
-    it. Raises InputError for gains that are not decimals > 0, one per vehicle, and for links that the fleet lacks.
+    Gains are decimal numbers, as `exact_gains` takes them. Where a condition is broken the result is not valid and says
+    how to repair it. Raises InputError for gains that are not decimals > 0, one per vehicle, and for links that the
+    fleet lacks.
     """
-    content, broken = _content(fleet, excitation, gains, conditions, links)
+    content, broken = _content(fleet, excitation, exact_gains(gains, fleet.names), conditions, links)
     content["provenance"]["seed"] = seed
     verdict = kernel.Verdict(False, "conditions", str(broken[0])) if broken else _self_check(content)
     if verdict.rule == "rates":  # rates are welcome, not needed: the rounding of a float must not cost the rest
@@ -106,22 +108,18 @@ def _gains_table(fleet: Fleet, gains: Gains) -> dict[str, str]:
     for name in ("position_scale", "heading_scale"):
         scales[name] = scales[name][:1]
     return {
-        **{name: _column(fleet, name, getattr(gains, name), len(fleet)) for name in GAIN_NAMES},
-        **{name: _column(fleet, name, column, len(column)) for name, column in scales.items()},
+        **{name: _column(fleet, name, getattr(gains, name)) for name in GAIN_NAMES},
+        **{name: _column(fleet, name, column) for name, column in scales.items()},
     }
 
 
-def _column(fleet: Fleet, name: str, values: Sequence[Any], count: int) -> str:
+def _column(fleet: Fleet, name: str, values: Sequence[Any]) -> str:
     """A column of positive decimals. Raises InputError."""
-    if len(values) != count:
-        raise InputError(f"gains: {name} has {len(values)} entries for {count} vehicles; give one per vehicle")
     for vehicle, number in zip(fleet.names, values, strict=False):
         places = decimal_places(number.denominator)
-        if number.numerator > 0 and places is not None and places <= kernel.MAX_PLACES and number < LARGEST:
+        if places is not None and places <= kernel.MAX_PLACES and number < LARGEST:
             continue
-        label = f"gains: {name} of vehicle {vehicle!r}"
-        if number <= 0:
-            raise InputError(f"{label} = {float(number):g} must be > 0 (A2)")
+        label = f"gains: vehicle {vehicle!r}: {name}"
         if places is None:
             raise InputError(f"{label} = {number} is no decimal number; round it")
         raise InputError(

@@ -55,10 +55,10 @@ def _strict_damping(fleet: Fleet, data: ConditionData, gains: Gains, conditions:
     holds = condition_15_prime(numbers, data, gains).holds.astype(bool)
     broken = [fleet.names[i] for i in np.flatnonzero(~holds)]
     if not broken:
-        return ["(15') holds for every vehicle: the turn rates are bounded too; certify them under rate-bounded"]
+        return ["the turn rates are bounded, too: certify the gains under rate-bounded to have the bounds stated"]
     shown = ", ".join(broken[:NAMED]) + (f" and {len(broken) - NAMED} more" if len(broken) > NAMED else "")
     return [
-        f"(15') holds for {len(fleet) - len(broken)} of {len(fleet)} vehicles, not for {shown}: no bound of |omega|"
+        f"nothing is claimed of the turn rates of {shown}: a bound of |omega| needs (15'), which the theorem does not"
     ]
 
 
@@ -67,8 +67,8 @@ def _cuts(fleet: Fleet, data: ConditionData, gains: Gains) -> list[str]:
         return []
     broken, total = broken_cuts(fleet.graph, excitation_bound(exact_numbers(), data, gains) / gains.p_omega)
     return [
-        f"{broken} of {total} cuts break sum_S c_i / p_omega_i <= a_l(S) + cut(S), which boundedness under every "
-        "bounded alpha would need (the theorem does not: it uses the structure of alpha)"
+        "the result rests on the form of alpha: under every alpha of the same size it would need sum_S c_i / p_omega_i "
+        f"<= a_l(S) + cut(S) for all {total} sets S of vehicles, and {total - broken} of them meet it"
     ]
 
 

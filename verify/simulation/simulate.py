@@ -11,6 +11,7 @@ from ...models.equations import State
 from ...models.errors import InputError, UndecidedError
 from ...models.excitation import Excitation
 from ...models.fleet import Fleet
+from ...models.gain_checks import exact_gains
 from ...models.gains import Gains
 from ...models.tolerance import Tolerance
 from .closed_loop import ClosedLoop, Floats
@@ -51,7 +52,7 @@ def simulate(
 
     Args:
         fleet: the fleet.
-        gains: the gains, exact or floats, (N,).
+        gains: the gains, (N,), of any kind of number that `models.gain_checks.exact_gains` takes.
         excitation: psi.
         start: the initial state, each (N,); None takes the fleet file's.
         bounded: False for the paper's unbounded comparison scheme, tanh(s) -> s.
@@ -62,7 +63,7 @@ def simulate(
         progress: called with the name of the step and the fraction done.
 
     Raises:
-        InputError: if neither the fleet file nor the caller gives a start.
+        InputError: if neither the fleet file nor the caller gives a start, or for gains that are not numbers > 0.
         UndecidedError: if the integrator stalls or the wall-clock limit passes.
 
     """
@@ -71,7 +72,8 @@ def simulate(
         raise InputError(
             "simulate: a vehicle of the fleet file has no start; add start = { position, heading } to each"
         )
-    loop, deadline = ClosedLoop.of(fleet, gains, excitation, bounded=bounded), Deadline(wall_limit)
+    loop = ClosedLoop.of(fleet, exact_gains(gains, fleet.names), excitation, bounded=bounded)
+    deadline = Deadline(wall_limit)
     end = LONGEST if horizon is None else horizon
     step = _step(end, len(fleet))
     engine = engine_name(engine, len(fleet))
