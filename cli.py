@@ -164,10 +164,8 @@ def simulate(
     """Simulate the fleet from its own start and draw figures."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
-    disturbance = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(
-        fleet, seed
-    )
-    simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbance)
+    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(fleet, seed)
+    simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, real)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     return Outcome.of(simulated.document, true=not simulated.false_claims)
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from .inputs import check_folder
+
 if TYPE_CHECKING:
     from ..console import Printer
     from ..models.files.gains_file import GainsFile
@@ -17,6 +19,7 @@ def certify_gains(printer: Printer, fleet: Fleet, gains: GainsFile, conditions: 
     from ..reports.deployment import write_fleet_copy
     from ..verify.certificates.certify import certify
 
+    check_folder(folder)
     certificate = certify(fleet, gains.excitation, gains.gains, conditions, links=gains.links)
     path = folder / "certificate.json"
     if certificate.valid:

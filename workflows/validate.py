@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .inputs import ALL_CORES, Pool
+from .inputs import ALL_CORES, Pool, check_folder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -84,6 +84,7 @@ def validate_starts(printer: Printer, fleet: Fleet, validation: Validation, fold
     from ..verify.validation.statistics import ValidationResults
     from ..verify.validation.validate import validate
 
+    check_folder(folder)
     spec, states = validation.spec, validation.states
     with validation.pool.open() as (executor, count), printer.progress() as progress:
         results = validate(spec, states, folder, executor, count, progress)

@@ -41,15 +41,16 @@ def designed(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Done]:
 # -- fail before the work ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("verb", ["design", "run", "simulate", "prove"])
+@pytest.mark.parametrize("verb", ["design", "run", "simulate", "prove", "certify", "validate"])
 def test_a_folder_that_cannot_be_written_is_refused_before_the_work(
     verb: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     (tmp_path / "file").write_text("")
     for place, name in ((design_module, "prepare"), (proof, "prove")):
         monkeypatch.setattr(place, name, stop)
-    monkeypatch.setattr("gaincert.verify.simulation.simulate.simulate", stop)
-    arguments = {"prove": (), "simulate": PAPER}.get(verb, PAPER[:1])
+    for work in ("simulation.simulate.simulate", "certificates.certify.certify", "validation.validate.validate"):
+        monkeypatch.setattr(f"gaincert.verify.{work}", stop)
+    arguments = {"prove": (), "design": PAPER[:1], "run": PAPER[:1]}.get(verb, PAPER)
     done = gaincert(verb, *arguments, "-o", tmp_path / "file" / "out")
     assert done.returncode == 2
     assert "cannot be written" in done.stderr

@@ -142,6 +142,19 @@ def test_the_tour_of_the_python_interface_runs(tmp_path, capsys):
     assert (tmp_path / "report.html").is_file()
 
 
+def test_the_papers_figures_and_numbers_are_printed_and_drawn(tmp_path, capsys, monkeypatch):
+    """Section 4: (15) and (16) are tight, the bounded scheme keeps to the limits and the unbounded one does not."""
+    monkeypatch.setattr(sys, "argv", ["paper_figures.py", str(tmp_path), "--horizon", "3"])
+    run_path(str(ROOT / "examples" / "paper_figures.py"), run_name="__main__")
+    printed = capsys.readouterr().out
+    assert "|psi| <= 2.43233" in printed
+    assert re.search(r"^v5 .* 503\.52 < +504\.00", printed, re.MULTILINE)
+    assert "unbounded torques: up to 7.5" in printed
+    assert re.search(r"'the bounds of the actuators': up to 0\.\d+ of the limit", printed)
+    for name in ("paths", "poses", "wheel_torques"):
+        assert (tmp_path / f"{name}.pdf").read_bytes().startswith(b"%PDF")
+
+
 def test_every_public_name_is_there_and_documented():
     import gaincert
 
