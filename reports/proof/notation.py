@@ -17,7 +17,7 @@ from .letters import LETTERS, letter_of
 
 _GREEK_NAMES = "alpha beta gamma delta epsilon eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega"
 GREEK = dict(zip(_GREEK_NAMES.split(), "αβγδεηθκλμνξρστφχψω", strict=True))
-_MARKS = {"dot": "\u0307", "ddot": "\u0308", "bar": "\u0304", "hat": "\u0302"}
+_MARKS = {"dot": "˙", "ddot": "¨", "bar": "¯", "hat": "^"}
 _ARROWS = {"∥": "\\parallel", "⊥": "\\perp"}
 CACHED = 4096  # expressions of one report
 _TANH, _LN_COSH = sp.Function("tanh"), sp.Function("lncosh")  # as SymPy's, but their sign is left alone
@@ -88,8 +88,9 @@ def _latex_index(index: str) -> str:
 class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
     def _print_Symbol(self, expr: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
         letter, index = letter_of(expr.name)
-        marks = "".join(_MARKS[accent] for accent in letter.accent.split())
-        shown = self._leaf(GREEK.get(letter.letter, letter.letter) + marks)
+        shown = self._leaf(GREEK.get(letter.letter, letter.letter))
+        for accent in letter.accent.split():
+            shown = self._marked(shown, _MARKS[accent])
         lower = [GREEK.get(part, part) for part in letter.sub.split(",") if part]
         lower += [index.replace("l", "ℓ") if len(index) <= 2 else index] if index else []
         if not lower:
@@ -101,9 +102,16 @@ class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
         node.appendChild(row)
         return node
 
-    def _leaf(self, content: str) -> Any:
-        node = self.dom.createElement("mi")
+    def _leaf(self, content: str, tag: str = "mi") -> Any:
+        node = self.dom.createElement(tag)
         node.appendChild(self.dom.createTextNode(content))
+        return node
+
+    def _marked(self, letter: Any, mark: str) -> Any:
+        node = self.dom.createElement("mover")
+        node.setAttribute("accent", "true")
+        node.appendChild(letter)
+        node.appendChild(self._leaf(mark, "mo"))
         return node
 
 
@@ -118,11 +126,17 @@ def latex(expression: Any) -> str:
     return str(printed).replace(r"\operatorname{lncosh}", r"\ln\cosh").replace(r"\operatorname{tanh}", r"\tanh")
 
 
+# A gap between factors, so that x tanh does not read xtanh; the minus of a formula; the name of a function.
+_BETTER = {"<mo>&InvisibleTimes;</mo>": "<mtext>\u2009</mtext>", "<mo>-</mo>": "<mo>−</mo>", "lncosh": "ln cosh"}
+
+
 @lru_cache(maxsize=CACHED)
 def mathml(expression: Any) -> str:
     """Presentation MathML of an expression, without the <math> element around it."""
-    body = _MathML()._print(tidy(expression))
-    return f"<mrow>{body.toxml().replace('lncosh', 'ln cosh')}</mrow>"
+    body = _MathML()._print(tidy(expression)).toxml()
+    for plain, shown in _BETTER.items():
+        body = body.replace(plain, shown)
+    return f"<mrow>{body}</mrow>"
 
 
 @lru_cache(maxsize=CACHED)

@@ -125,7 +125,7 @@ def outcome(work: Callable[[], bool], seconds: float) -> str:
     """The outcome for a mutant: `work` runs in its own process and returns whether the tests pass."""
     child = os.fork()
     if child == 0:
-        signal.alarm(max(1, round(seconds)))  # whoever does not end by then is ended by SIGALRM
+        signal.setitimer(signal.ITIMER_PROF, seconds)  # of processor time; whoever takes more is ended by SIGPROF
         resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
         passed = False
         try:
@@ -133,7 +133,7 @@ def outcome(work: Callable[[], bool], seconds: float) -> str:
         finally:
             os._exit(0 if passed else 1)
     _, status = os.waitpid(child, 0)
-    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGALRM:
+    if os.WIFSIGNALED(status) and os.WTERMSIG(status) == signal.SIGPROF:
         return TIMED_OUT
     return SURVIVED if status == 0 else KILLED
 

@@ -14,6 +14,7 @@ from gaincert.verify.proof.method.fleet_symbols import generic
 from gaincert.verify.proof.method.symbols import nonnegative_symbol, parameter, symbol
 from gaincert.verify.proof.method.windows import ETA, PERIOD, Weight, over_window
 from gaincert.verify.proof.this_fleet.excitation import computed_twice
+from gaincert.verify.proof.this_fleet.graph import carries
 
 A, B, C, T = (parameter(name) for name in ("a", "b", "c", "t"))
 Y, N = nonnegative_symbol("y"), sp.Symbol("n", integer=True, positive=True)
@@ -31,7 +32,7 @@ SIZE = known(sp.Abs(X), "<=", A)
 
 def unsupported() -> dict[str, Callable[[], Fact]]:
     """By what is wrong with the input."""
-    return {**_algebra(), **_inequalities(), **_from_facts(), **_limits(), **_inferences()}
+    return {**_algebra(), **_inequalities(), **_from_facts(), **_limits(), **_inferences(), **_flows()}
 
 
 Rows = dict[str, Callable[[], Fact]]
@@ -151,6 +152,26 @@ def _inferences() -> Rows:
         "a comparison of overlapping balls": lambda: inferences.compared(
             Relation(sp.sin(1) ** 2 + sp.cos(1) ** 2, "<=", sp.S.One), {}
         ),
+    }
+
+
+def _flows() -> Rows:
+    """Flows of 1 from the leader, node 3, to vehicle 1; the leader hears vehicle 0, which hears the others."""
+    weights = [{1: 1, 2: 1, 3: 1}, {0: 1}, {0: 1}, {0: 1}]
+    false = {
+        "beyond the weights": ([{1: 2, 2: 0, 3: -2}, {0: -2}, {0: 0}, {0: 2}], 2),
+        "of another value": ([{1: 1, 2: 0, 3: -1}, {0: -1}, {0: 0}, {0: 1}], 2),
+        "that only one of two nodes knows": ([{1: 0, 2: 0, 3: 0}, {0: -1}, {0: 0}, {0: 1}], 1),
+        "that springs from a vehicle": ([{1: 1, 2: -1, 3: -1}, {0: -1}, {0: 1}, {0: 1}], 1),
+        "that ends elsewhere": ([{1: 0, 2: 1, 3: -1}, {0: 0}, {0: -1}, {0: 1}], 1),
+        "that the leader does not give": ([{1: 1, 2: -1, 3: 0}, {0: -1}, {0: 1}, {0: 0}], 1),
+    }
+    fed = symbol("vehicles_fed")
+    return {
+        f"a flow {name}": lambda flow=flow, value=value: inferences.compared(
+            Relation(fed, "=", 1), {fed: int(carries(weights, flow, 1, value))}
+        )
+        for name, (flow, value) in false.items()
     }
 
 

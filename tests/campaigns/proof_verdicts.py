@@ -54,9 +54,10 @@ def parts(*, formulas: bool) -> Iterator[str]:
 def strained_fleet() -> tuple[Fleet, Gains]:
     """Three robots with scales of their own, the last a wheel torque beyond its limit, limits met, missed and equal.
 
-    No two weights are the same.
+    No two weights are the same, and psi has two tones of a frequency other than 1.
     """
     table = line_of(3).model_dump(mode="json", by_alias=True)
+    table["excitation"] = {"family": "harmonics", "frequency": "1.5", "sin": [1, "0.5"], "cos": [0, "0.25"]}
     table["graph"] = {"edges": [["r1", "r2", "0.1"], ["r2", "r3", "0.2"]], "leader_links": {"r1": 1, "r2": 2, "r3": 3}}
     for number, (row, torque) in enumerate(zip(table["vehicle"], (100, 100, 1), strict=True), 1):
         limits = {"speed": number, "turn_rate": number, "wheel_speed": 40 * number}

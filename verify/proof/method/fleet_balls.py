@@ -96,8 +96,8 @@ class BallFleet:
 
         All tanh of vehicle i are saturated; its heading is along p_v phi -/+ kappa phi_perp parallel to (1, 1).
         """
-        gains, arm = self.gains, float(self.fleet.arm[i]) * (1, -1)[wheel]
-        p, kappa = float(gains.p_v[i]), float(gains.k_alpha[i]) * float(psi) / arm
+        gains, arm = self.gains, self.fleet.arm[i] * (1, -1)[wheel]
+        p, kappa = gains.p_v[i], gains.k_alpha[i] * float(psi) / arm
         heading = Fraction(math.atan2(p + kappa, p - kappa))
         sign, scale = 1 if arm > 0 else -1, self.gains.saturation.columns(len(self.fleet))
         length, angle, speed, turn_rate = (FAR * _exact(scale[name][i]) for name in SCALE_NAMES)
@@ -106,8 +106,8 @@ class BallFleet:
         return self.state({i: (-length, -length)}, theta, {i: -speed}, {i: -turn_rate * sign})
 
 
-def _exact(number: Any) -> Fraction:
-    return Fraction(number.item() if isinstance(number, np.generic) else number)
+def _exact(number: Any) -> Any:
+    return number.item() if isinstance(number, np.generic) else number  # no ball is made of a NumPy integer
 
 
 def _angle(leader: Leader) -> Ball:

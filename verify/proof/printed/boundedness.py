@@ -13,7 +13,7 @@ from ....models.equations import State
 from ..claim import Claim, Expr, Fact, Implication, Kind, Relation
 from ..lemmas.bounds import l1, psi_limit
 from ..lemmas.functions import sech2, tanh_below_1
-from ..method.ball import precise, text
+from ..method.ball import ball, precise, text
 from ..method.fleet_balls import BallFleet, paper, paper_peak
 from ..method.fleet_symbols import generic_unit
 from ..method.inferences import carried, compared, counterexample, gained, outgrows
@@ -96,29 +96,33 @@ def after_20_c() -> Claim:
     return Claim("after-20-c", Kind.PAPER, (ordered(-(D * TANH_1 - C) * SIZE / P, "<=", 0, where),))
 
 
+# Where vehicles 1 and 2 are off their places, m, their headings over pi, and their turn rates; the others are at rest.
+RISING = {0: ((40, -40), Fraction(-3, 4), Fraction(1)), 1: ((-40, 40), Fraction(1, 4), Fraction(1, 2))}
+
+
 def rising_state(data: BallFleet) -> State:
     """A state at which W rises although |omega_1| >= 1."""
-    errors = {0: (40, -40), 1: (-40, 40)}
-    return data.state(errors, {0: -3 * arb.pi() / 4, 1: arb.pi() / 4}, omega={0: 1, 1: Fraction(1, 2)})
+    errors, headings, rates = ({place: row[part] for place, row in RISING.items()} for part in range(3))
+    return data.state(errors, {place: ball(turn) * arb.pi() for place, turn in headings.items()}, omega=rates)
+
+
+def _rising_point() -> dict[Expr, Expr]:
+    """The same in symbols."""
+    found: dict[Expr, Expr] = {symbol("psi"): text(paper_peak())}
+    for place, (error, heading, rate) in RISING.items():
+        number = str(place + 1)
+        found |= {symbol("omega", number): sp.Rational(rate), symbol("theta", number): sp.Rational(heading) * sp.pi}
+        for axis, off in zip("xy", error, strict=True):
+            found[symbol(axis, number)] = symbol(axis, "l") + symbol(f"delta_{axis}", number) + off
+    return found
 
 
 def boundedness_of_omega() -> Claim:
     """'For all |omega_i| >= 1, W' <= 0, hence omega_i is bounded', with the controller's own alpha."""
     with precise():
         rate = paper().energy_rate(paper_peak(), rising_state(paper()))
-        point = {symbol("omega", "1"): sp.S.One, symbol("omega", "2"): sp.S.Half, symbol("psi"): text(paper_peak())}
-        point |= {symbol("theta", "1"): -3 * sp.pi / 4, symbol("theta", "2"): sp.pi / 4} | _places((1, 40), (2, -40))
-        rises = compared(Relation(rate_of(W), "<=", sp.S.Zero), {rate_of(W): rate}, point)
+        rises = compared(Relation(rate_of(W), "<=", sp.S.Zero), {rate_of(W): rate}, _rising_point())
     return Claim("boundedness-of-omega", Kind.PAPER, (rises,))
-
-
-def _places(*far: tuple[int, int]) -> dict[Expr, Expr]:
-    """Where vehicles are that are off their places by (m, -m)."""
-    found = {}
-    for number, metres in far:
-        for axis, off in (("x", metres), ("y", -metres)):
-            found[symbol(axis, str(number))] = symbol(axis, "l") + symbol(f"delta_{axis}", str(number)) + off
-    return found
 
 
 # -- boundedness under any bounded alpha ------------------------------------------------------------------------------

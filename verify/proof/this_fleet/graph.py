@@ -139,7 +139,12 @@ def _reached(weights: Weights, flow: list[dict[int, Fraction]], source: int) -> 
 def supports_flow(graph: Graph, target: int, value: Fraction) -> bool:
     """Whether `value` can flow from the leader to a vehicle; the flow is checked for capacity and conservation."""
     weights = with_leader(graph)
-    source, flow = graph.vehicles, maximal_flow(weights, target, value).edges
+    return carries(weights, maximal_flow(weights, target, value).edges, target, value)
+
+
+def carries(weights: Weights, flow: Weights, target: int, value: Fraction) -> bool:
+    """Whether a flow brings `value` from the leader to a vehicle, within the weights and without loss."""
+    source = len(weights) - 1
     within = all(f <= weights[i][j] and flow[j][i] == -f for i, row in enumerate(flow) for j, f in row.items())
     excess = [sum(row.values(), Fraction(0)) for row in flow]
     balanced = all(e == 0 for i, e in enumerate(excess) if i not in (source, target))
