@@ -114,12 +114,12 @@ class Outcome(NamedTuple):
 
     @property
     def undecided_by_models(self) -> bool:
-        """the models does not confirm what is true, within its band."""
+        """The models do not confirm what is true, within their band."""
         return self.truth is True and not self.models and self.margin <= MODELS_BAND[self.trial.condition]
 
     @property
     def models_disagree(self) -> bool:
-        """the models confirms what is false, or refuses what is true beyond its band."""
+        """The models confirm what is false, or refuse what is true beyond their band."""
         return self.truth is not None and self.models != self.truth and not self.undecided_by_models
 
     @property
@@ -286,8 +286,8 @@ HEADER = (
     "least margin decided, true / false",
     "kernel accepts false",
     "kernel refuses true (largest margin)",
-    "the models disagrees",
-    "the models undecided (largest margin)",
+    "models disagree",
+    "models undecided (largest margin)",
 )
 
 
@@ -326,8 +326,8 @@ def report(tally: Tally) -> str:
     within = sum(not one.models_same and not one.failures() for one in tally.scaled)
     scaling = (
         f"Other units: {fleets} fleets, {len(tally.scaled)} certificates ({', '.join(SCALINGS)}; times 1e-8 and 1e8): "
-        f"{sum(not one.same for one in tally.scaled)} verdicts of the kernel change, {within} of the models within its "
-        f"band, {sum(bool(one.failures()) for one in tally.scaled)} failures."
+        f"{sum(not one.same for one in tally.scaled)} verdicts of the kernel change, {within} of the models within "
+        f"their band, {sum(bool(one.failures()) for one in tally.scaled)} failures."
     )
     bands = (
         f"What is true may be refused up to a margin of {KERNEL_BAND[PSI_BAR]:.0e} by the kernel and "

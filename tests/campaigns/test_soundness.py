@@ -99,7 +99,7 @@ def psi_bar_rounded_down(patch: Patch) -> None:
 
     def rounded(claims: kernel.Claims, *rest: Any) -> Sides:
         unit = 10 ** max(0, len(str(claims.psi_bar)) - 3)
-        return rule(replace(claims, psi_bar=claims.psi_bar // unit * unit), *rest)
+        return rule(claims._replace(psi_bar=claims.psi_bar // unit * unit), *rest)
 
     patch.setitem(kernel.CONDITIONS, "(15)", rounded)
 
@@ -120,11 +120,11 @@ def psi_not_bounded(patch: Patch) -> None:
 
 def margins_ignored(patch: Patch) -> None:
     holds = kernel.holds
-    patch.setattr(kernel, "holds", lambda name, sides, _: holds(name, sides, 0))
+    patch.setattr(kernel, "holds", lambda sides, _, *strict: holds(sides, 0, *strict))
 
 
 def wheels_taken_on_trust(patch: Patch) -> None:
-    patch.setattr(kernel, "wheel_speeds", lambda *_: None)
+    patch.setitem(kernel.CONDITIONS, "wheel_speed", lambda *_: (0, 0, 1, 1))
 
 
 WEAKER = {

@@ -112,6 +112,7 @@ def test_the_number_of_vehicles_is_a_positive_integer(value: Any) -> None:
 def test_a_parameter_is_a_column_or_two() -> None:
     reader = kernel.Reader(1, 1)
     assert reader.ends("2.5", "x", 1) == [[25], [25]]
+    assert reader.ends("25", "x", 1) == [[250], [250]]
     assert reader.ends(["2", "3"], "x", 1) == [[20], [30]]
     assert reader.ends(["2", "2"], "x", 1) == [[20], [20]]
     for false in ("0", "-1", ["0", "1"], ["-1", "1"], ["3", "2"]):
@@ -126,6 +127,8 @@ def test_places_are_those_of_the_first_number() -> None:
     assert kernel.places_of({"a": {}, "b": [], "c": None, "d": 5}) == 0
     assert kernel.places_of({"a": "1.25 1.5", "b": ["1.125", "2"]}) == 3
     assert kernel.places_of("1." + "1" * 99 + " 1") == 99
+    assert kernel.places_of("-" + "1" * 60 + "." + "1" * 100 + " 1") == 100
+    assert kernel.places_of("1." + "1" * 10_000) == 198  # no more than 200 characters are looked at
 
 
 def test_what_is_out_of_range_is_said_with_its_ends() -> None:
@@ -139,6 +142,25 @@ def test_a_column_of_no_numbers_is_empty() -> None:
     for text in ("1", "1 1{-1}", " "):
         with pytest.raises(kernel.UnreadableError, match="x: expected a string of 0 decimals"):
             read(text, 0)
+
+
+def test_the_least_number_is_one_unit() -> None:
+    assert kernel.Reader(0, 1).column("1", "x") == [1]
+    for text in ("0", "-1"):
+        with pytest.raises(kernel.FalseError, match=r"x: all must be > 0 \(A2\)"):
+            kernel.Reader(0, 1).column(text, "x")
+
+
+@pytest.mark.parametrize("distinct", [7, 10**6])
+@pytest.mark.parametrize("count", [1, 19_999, 20_000, 20_001, 50_000])
+def test_a_long_column_is_read_in_pieces_of_whole_numbers(count: int, distinct: int) -> None:
+    numbers = [(-1) ** i * (i % distinct) for i in range(count)]
+    assert list(kernel.integers(" ".join(map(str, numbers)), 10)) == [10 * number for number in numbers]
+
+
+def test_a_column_has_no_more_places_than_the_certificate() -> None:
+    with pytest.raises(kernel.UnreadableError, match="x: expected a string of 1 decimals"):
+        kernel.Reader(1, 1).column("1.25", "x")
 
 
 def test_one_vehicle_is_not_too_many(monkeypatch: pytest.MonkeyPatch) -> None:

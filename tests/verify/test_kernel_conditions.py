@@ -15,7 +15,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.campaigns.certified_fleets import CASES
-from tests.verify.certificate_documents import Document, check, column, document, reason, refusal, single, with_limit
+from tests.verify.certificate_documents import (
+    Document,
+    check,
+    column,
+    document,
+    harmonics,
+    reason,
+    refusal,
+    single,
+    with_limit,
+)
 
 
 @settings(deadline=None)
@@ -29,6 +39,13 @@ def test_tanh_is_bounded_from_below_and_closely(p: int, q: int, one: int) -> Non
             assert mp.mpf(a) / b > min(true, mp.tanh(100)) * (1 - mp.mpf(10) ** 6 / one)
 
 
+@pytest.mark.parametrize(("p", "q"), [(1, 10**12), (1, 3), (50, 1), (199, 2), (100, 1), (100, 3), (201, 2), (10**9, 1)])
+def test_tanh_is_bounded_from_below_where_it_is_almost_1(p: int, q: int) -> None:
+    a, b = kernel.tanh_below(p, q, kernel.FINE)
+    with mp.workdps(400):
+        assert mp.mpf(a) / b <= mp.tanh(mp.mpf(p) / q)
+
+
 @pytest.mark.parametrize("digits", [3, 15, 40, 59])
 def test_a_torque_bound_equal_to_the_limit_is_accepted_and_one_above_it_refused(digits: int) -> None:
     assert check(single("6")).valid
@@ -39,30 +56,31 @@ def test_a_torque_bound_equal_to_the_limit_is_accepted_and_one_above_it_refused(
 
 def test_a_strict_condition_refuses_equality() -> None:
     sides = (4, 1, 3, 1)
-    assert kernel.holds("(16*)", sides, 0)
-    for name in kernel.STRICT:
-        assert not kernel.holds(name, sides, 0)
-        assert kernel.holds(name, (4, 1, 4, 1), 1)  # a margin leaves room
-        assert kernel.holds(name, (4, 1, 4, 1), 0)
+    assert kernel.holds(sides, 0)
+    assert not kernel.holds(sides, 0, strict=True)
+    assert kernel.holds((4, 1, 4, 1), 1, strict=True)  # a margin leaves room
+    assert kernel.holds((4, 1, 4, 1), 0, strict=True)
 
 
 @settings(deadline=None)
 @given(st.integers(1, 10**40), st.integers(0, 30))
 def test_roots_are_compared_exactly(square: int, shift: int) -> None:
     root = math.isqrt(square)
-    assert kernel.holds("", (square, shift, root + shift, 1), 0) == (root * root == square)
-    assert kernel.holds("", (square, shift, root + shift + 1, 1), 0)
-    assert not kernel.holds("", (square, shift, root + shift - 1, 1), 0)
+    assert kernel.holds((square, shift, root + shift, 1), 0) == (root * root == square)
+    assert kernel.holds((square, shift, root + shift + 1, 1), 0)
+    assert not kernel.holds((square, shift, root + shift - 1, 1), 0)
 
 
 def test_a_negative_room_is_not_squared_away() -> None:
-    assert not kernel.holds("", (1, 5, 3, 1), 0)
-    assert not kernel.holds("", (1, 0, 2, 1), 9)  # a margin so large that its square is large
+    assert not kernel.holds((1, 5, 3, 1), 0)
+    assert not kernel.holds((1, 0, 2, 1), 9)  # a margin so large that its square is large
+    assert kernel.holds((0, 1, 1, 1), 0)
+    assert not kernel.holds((0, 2, 1, 1), 0)
 
 
 def test_a_margin_is_accepted_up_to_the_room_there_is() -> None:
     sides = (4, 1, 9, 1)  # 2 + 1 <= 9, 6 to spare
-    assert [kernel.holds("", sides, margin) for margin in (0, 3, 6, 7, 8, 10, 14)] == [True] * 3 + [False] * 4
+    assert [kernel.holds(sides, margin) for margin in (0, 3, 6, 7, 8, 10, 14)] == [True] * 3 + [False] * 4
     assert "(16*): margin: all must be >= 0" in reason(single("6", margins={"(16*)": "-0.001"}))
 
 
@@ -73,6 +91,8 @@ def test_a_margin_is_accepted_up_to_the_room_there_is() -> None:
         ((4, 1, 3, 1), 0, "3 exceeds 3 by 0"),
         ((2 * 10**40, 0, 10**20, 10**20), 0, "1.41421356237 exceeds 1 by 0.414213562373"),
         ((4, 1, 9, 2), 4, "the stated margin 4 is more than 3"),
+        ((4, 1, 3, 1), 2, "the stated margin 2 is more than 0"),
+        ((4, 1, 2, 1), 2, "3 exceeds 2 by 1"),
     ],
 )
 def test_what_fails_is_said_with_both_sides(sides: kernel.Sides, margin: int, words: str) -> None:
@@ -126,6 +146,22 @@ def test_every_condition_is_tried_with_a_coarse_and_a_fine_tanh() -> None:
         content = with_limit(single(), "speed", "0.5")
         content["gains"]["d_v"] = str(text)
         assert check(content).valid == valid
+
+
+def test_few_conditions_may_be_so_close_that_they_take_the_fine_tanh(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stated margin that leaves less than the coarse tanh decides: 9 tanh 1 - sqrt2 = 5.44013384122878894..."""
+    for margin, close in (("5.4401338412287889", True), ("5.44013384122878", False)):
+        content = with_limit(single(), "speed", "1", margin)
+        content["gains"]["d_v"] = "9"
+        monkeypatch.setattr(kernel, "MAX_CLOSE", 1)
+        assert check(content).valid
+        monkeypatch.setattr(kernel, "MAX_CLOSE", 0)
+        if close:
+            words = "more than 0 conditions hold by less than 1e-14: state smaller margins"
+            assert refusal(content) == words
+        else:
+            assert check(content).valid
+    assert "(16*): vehicle 1: 6 exceeds 5 by 1" in reason(single("5"))  # what is false is said to be false
 
 
 SCALED = {"speed": ("speed_scale", "d_v", "3"), "turn_rate": ("turn_rate_scale", "d_omega", "5")}
@@ -200,6 +236,20 @@ def test_a_wheel_speed_is_shared_between_v_and_omega() -> None:
     long = wheel_document(fits, enough)
     long["fleet"]["half_track"] = ["1.0", "1.1"]
     assert "wheel_speed: vehicle 1: " in reason(long)
+
+
+@pytest.mark.parametrize(
+    ("d_v", "d_omega", "valid"),
+    [("2", "6", True), ("1", "6", False), ("2", "5", False)],
+)
+def test_a_wheel_speed_leaves_integers_to_both(d_v: str, d_omega: str, valid: bool) -> None:
+    """V = arm Omega = 1, the least numbers there are: sqrt2 <= d_v tanh 1 and 1 + 2 sqrt2 <= d_omega tanh 1."""
+    content = {**wheel_document("2", "1"), "psi_bar": "2"}
+    content["fleet"] |= {"wheel_radius": "1", "excitation": harmonics("1")}
+    content["gains"] |= {"d_v": d_v, "d_omega": d_omega}
+    assert kernel.read_claims(content).unit == 1
+    verdict = check(content)
+    assert verdict.valid == valid and (valid or verdict.reason.startswith("wheel_speed: vehicle 1: ")), verdict
 
 
 def test_a_wheel_speed_needs_its_rim_speed() -> None:

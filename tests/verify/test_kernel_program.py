@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 import subprocess
 import sys
@@ -52,6 +53,39 @@ def test_its_exit_code_is_its_verdict(tmp_path: Path, capsys: pytest.CaptureFixt
         assert out.startswith(said) and err.startswith(refused) and bool(err) == bool(refused)
 
 
+@pytest.mark.parametrize("arguments", [[], ["a", "b", "c"]])
+def test_the_command_line_has_one_or_two_arguments(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    assert kernel.main(arguments) == 2
+    assert capsys.readouterr().err == "REFUSED: usage: python -I kernel.py CERTIFICATE.json [DIGEST OF THE FLEET]\n"
+
+
+class Disk(io.StringIO):
+    """Standard output on a full disk: what is written fails when it is flushed."""
+
+    closings = 0
+
+    def flush(self) -> None:
+        raise OSError(28, "No space left on device")
+
+    def close(self) -> None:
+        self.closings += 1
+        raise OSError(28, "No space left on device")
+
+
+def test_what_is_not_written_is_a_fault(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, disk = tmp_path / "certificate.json", Disk()
+    path.write_text(TEXT)
+    monkeypatch.setattr(sys, "stdout", disk)
+    assert kernel.main([str(path)]) == 5 and disk.closings == 1
+    said = capsys.readouterr().err
+    assert said.startswith("FAULT: OSError") and said.endswith("nothing is said of the certificate\n")
+    monkeypatch.setattr(sys, "stderr", None)
+    assert kernel.main([str(path)]) == 5
+    assert kernel.main([str(tmp_path / "absent")]) == 2
+
+
 FAULTS = {
     "no memory": "ulimit -v 60000; ",
     "a full disk": "exec > /dev/full; ",
@@ -96,8 +130,9 @@ def test_a_file_is_read_in_pieces(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
     path = tmp_path / "certificate.json"
     path.write_bytes(b"x" * 3_000_000)
     assert kernel.read(path) == b"x" * 3_000_000
-    monkeypatch.setattr(kernel, "MAX_BYTES", 10)
-    assert len(kernel.read(path)) == 2**20
+    for most, pieces in ((10, 1), (2**20, 2)):  # more than MAX_BYTES, so that it is seen to be too large
+        monkeypatch.setattr(kernel, "MAX_BYTES", most)
+        assert len(kernel.read(path)) == pieces * 2**20
     for absent in (tmp_path, str(tmp_path / "absent"), "a\0b"):
         with pytest.raises(kernel.UnreadableError, match="cannot be read"):
             kernel.read(absent)
@@ -112,6 +147,8 @@ def test_want_of_memory_is_not_a_verdict(monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.setattr(kernel, "read_claims", exhausted)
     with pytest.raises(MemoryError):
         kernel.check_data(TEXT.encode())
+    monkeypatch.setattr(sys, "stdout", io.StringIO())  # which a fault closes
+    assert kernel.main([str(path)]) == 5
 
 
 def test_deep_nesting_is_refused() -> None:

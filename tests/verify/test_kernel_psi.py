@@ -84,14 +84,14 @@ def test_a_bound_is_checked_on_both_halves_and_for_both_signs(sign: str, half_tu
 
 @pytest.mark.parametrize("n", range(1, 6))
 def test_every_harmonic_is_turned_by_half_a_period(n: int) -> None:
-    """cos(n x) at x + pi is (-1)^n cos(n x)."""
-    psi = psi_of(harmonics(cos=" ".join("0" * (n - 1) + "1"), mean="0.75"))
+    """sin(n x) and cos(n x) at x + pi are (-1)^n times what they are at x."""
+    psi = psi_of(harmonics(" ".join("0" * (n - 1) + "2"), " ".join("0" * (n - 1) + "1"), mean="0.75"))
     for half_turn in (0, 1):
         for p, q in ((0, 1), (1, 3), (-2, 5)):
-            least, scale = kernel.slack(psi, 200, half_turn, p, q)
+            least, scale = kernel.slack(psi, 400, half_turn, p, q)
             x = 2 * mp.atan(mp.mpf(p) / q) + mp.pi * half_turn
-            value = 75 + 100 * mp.cos(n * x)
-            assert mp.almosteq(mp.mpf(least) / scale, min(200 - value, 200 + value), 1e-12)
+            value = 75 + 100 * mp.cos(n * x) + 200 * mp.sin(n * x)
+            assert mp.almosteq(mp.mpf(least) / scale, min(400 - value, 400 + value), 1e-12)
 
 
 @pytest.mark.parametrize("terms", [1, 3, 10])
@@ -124,6 +124,41 @@ def test_an_arc_is_accepted_up_to_what_the_curvature_takes(depth: int) -> None:
         ends = kernel.slack(psi, bar, 0, -1, 1 << depth), kernel.slack(psi, bar, 0, 0, 1)
         assert kernel.settled(psi, depth, *ends) == fits
         assert not kernel.settled(psi, depth, (-1, 1), ends[0])
+
+
+@pytest.mark.parametrize(("s", "c"), [(3, 2), (-3, 2), (3, -2), (-3, -2), (0, -5), (-5, 0)])
+@pytest.mark.parametrize("n", [1, 3])
+def test_the_curvature_counts_every_amplitude(s: int, c: int, n: int) -> None:
+    """|psi''| <= sum n^2 (|s_n| + |c_n|), whatever the signs; 2^(2 depth + 1) times the slack is as much or more."""
+    psi, most = kernel.Psi(0, [(n, s, c), (4, 1, 0)], 7, 1), 7 * (n * n * (abs(s) + abs(c)) + 16)
+    for depth in (0, 1, 5):
+        scale = 2 ** (2 * depth + 1)
+        for least, fits in ((most, True), (most - 1, False)):
+            assert kernel.settled(psi, depth, (least, scale)) == fits
+            assert kernel.settled(psi, depth, (least, scale), (10 * most, scale)) == fits
+
+
+def test_a_bound_that_is_passed_by_one_unit_is_said_to_be_passed() -> None:
+    with pytest.raises(kernel.FalseError, match=r"^\|psi\| > psi_bar at w t = 2 atan\(0\) \+ 0 pi$"):
+        kernel.bounded_on_half(kernel.Psi(0, [(1, 0, 1)], 1, 1), 0, 0, [0, 0])
+
+
+def test_a_list_of_arcs_is_no_longer_than_its_work_allows(monkeypatch: pytest.MonkeyPatch) -> None:
+    """An arc costs 4 or more: eight arcs are refused before they are read where the work may be 31."""
+    monkeypatch.setattr(kernel, "MAX_WORK", 32)
+    assert check(single()).valid
+    monkeypatch.setattr(kernel, "MAX_WORK", 31)
+    assert "arcs: expected a string of 7 decimals" in refusal(single())
+
+
+@pytest.mark.parametrize("terms", [100, 101])
+def test_a_square_wave_has_at_most_100_terms(terms: int) -> None:
+    psi = {"family": "square-wave", "mean": "0", "frequency": "1", "terms": terms}
+    if terms <= 100:
+        assert len(psi_of(psi).terms) == 100
+    else:
+        with pytest.raises(kernel.UnreadableError, match="terms must be 1 to 100"):
+            psi_of(psi)
 
 
 @pytest.mark.parametrize(

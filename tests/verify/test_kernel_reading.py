@@ -49,51 +49,93 @@ def test_another_schema_is_refused_with_the_word_to_certify_again(schema: Any) -
     assert f"schema {schema!a}, not {kernel.SCHEMA}: certify again (gaincert certify" in words
 
 
-OTHER_FORMS: list[Change] = [
-    lambda c: c.update(conditions=["corrected"]),
-    lambda c: c.update(conditions="(16*)"),
-    lambda c: c.update(designed=[]),
-    lambda c: c.update(designed={"excitation": None}),
-    lambda c: c.update(designed={"excitation": None, "weights": None, "vehicle": None}),
-    lambda c: c["designed"].update(weights={"edges": ""}),
-    lambda c: c["designed"].update(weights={"edges": "1", "leader_links": "1"}),
-    lambda c: c["designed"].update(weights={"edges": "", "leader_links": ""}),
-    lambda c: c["designed"].update(excitation=[]),
-    lambda c: c["fleet"].update(drive="other"),
-    lambda c: c["fleet"].update(drive=["paper"]),
-    lambda c: c["fleet"].update(more="1"),
-    lambda c: c["fleet"].pop("mass"),
-    lambda c: c["fleet"].update(mass=5),
-    lambda c: c["fleet"].update(offset_x="x"),
-    lambda c: c["fleet"].update(offset_y=["0", "0"]),
-    lambda c: c["fleet"].update(edges=5),
-    lambda c: c["fleet"]["edges"].update(tail="0"),
-    lambda c: c["fleet"].update(leader_links={"vehicle": "0"}),
-    lambda c: c["fleet"].update(leader_links={"vehicle": "0", "weight": "1 1"}),
-    lambda c: c["fleet"].update(limits={}),
-    lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0"}),
-    lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0", "value": ""}),
-    lambda c: c["fleet"]["limits"].update(speed="1"),
-    lambda c: c["fleet"]["limits"].update(fast=None),
-    lambda c: c["gains"].update(p_v="1 1"),
-    lambda c: c["gains"].update(position_scale="1 1"),
-    lambda c: c["gains"].pop("p_v"),
-    lambda c: c["gains"].pop("speed_scale"),
-    lambda c: c.update(psi_bar=1),
-    lambda c: c.update(psi_bar="1 1"),
-    lambda c: c.update(arcs=[]),
-    lambda c: c["arcs"].pop("here"),
-    lambda c: c["arcs"].update(here=[]),
-    lambda c: c.update(tree={}),
-    lambda c: c["tree"].update(link="-1 -1"),
-    lambda c: c["tree"].update(depth="1.5"),
-    lambda c: c.update(rates={}),
-    lambda c: c.update(margins={"(16*)": "0 0"}),
-    lambda c: c.update(margins={}),
-    lambda c: c["margins"].update({"(16)": "0"}),
-    lambda c: c.update(more=1),
-    lambda c: c.pop("arcs"),
-    lambda c: c["fleet"].update(excitation=None),
+OTHER_FORMS: list[tuple[str, Change]] = [
+    (
+        "must be one of paper, corrected, rate-bounded, and drive one of physical, paper",
+        lambda c: c.update(conditions=["corrected"]),
+    ),
+    (
+        "must be one of paper, corrected, rate-bounded, and drive one of physical, paper",
+        lambda c: c.update(conditions="(16*)"),
+    ),
+    ("keys excitation, weights, not []", lambda c: c.update(designed=[])),
+    ("keys excitation, weights, not 'excitation'", lambda c: c.update(designed={"excitation": None})),
+    (
+        "keys excitation, weights, not 'excitation, vehicle, weights'",
+        lambda c: c.update(designed={"excitation": None, "weights": None, "vehicle": None}),
+    ),
+    ("keys edges, leader_links, not 'edges'", lambda c: c["designed"].update(weights={"edges": ""})),
+    (
+        "designed weight: expected a string of 0 decimals",
+        lambda c: c["designed"].update(weights={"edges": "1", "leader_links": "1"}),
+    ),
+    (
+        "designed leader weight: expected a string of 1 decimals",
+        lambda c: c["designed"].update(weights={"edges": "", "leader_links": ""}),
+    ),
+    ("keys family, mean, frequency, sin, cos, not []", lambda c: c["designed"].update(excitation=[])),
+    ("drive one of physical, paper", lambda c: c["fleet"].update(drive="other")),
+    ("drive one of physical, paper", lambda c: c["fleet"].update(drive=["paper"])),
+    (
+        "keys drive, vehicles, limits, edges, leader_links, excitation, offset_x, offset_y, mass, inertia,",
+        lambda c: c["fleet"].update(more="1"),
+    ),
+    ("torque_left, torque_right, not 'drive, edges", lambda c: c["fleet"].pop("mass")),
+    ("mass: expected a string of 1 decimals of one form, not 5", lambda c: c["fleet"].update(mass=5)),
+    ("offset: expected a string of 1 decimals of one form, not 'x'", lambda c: c["fleet"].update(offset_x="x")),
+    (
+        "offset: expected a string of 1 decimals of one form, not ['0', '0']",
+        lambda c: c["fleet"].update(offset_y=["0", "0"]),
+    ),
+    ("keys tail, head, weight, not 5", lambda c: c["fleet"].update(edges=5)),
+    ("1 links between 1 vehicles are too many", lambda c: c["fleet"]["edges"].update(tail="0")),
+    ("keys vehicle, weight, not 'vehicle'", lambda c: c["fleet"].update(leader_links={"vehicle": "0"})),
+    (
+        "leader weight: expected a string of 1 decimals",
+        lambda c: c["fleet"].update(leader_links={"vehicle": "0", "weight": "1 1"}),
+    ),
+    (
+        "keys speed, turn_rate, wheel_speed, acceleration, turn_acceleration, not ''",
+        lambda c: c["fleet"].update(limits={}),
+    ),
+    ("keys vehicle, value, not 'vehicle'", lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0"})),
+    (
+        "speed: expected a string of 1 decimals",
+        lambda c: c["fleet"]["limits"].update(speed={"vehicle": "0", "value": ""}),
+    ),
+    ("keys vehicle, value, not '1'", lambda c: c["fleet"]["limits"].update(speed="1")),
+    (
+        "keys speed, turn_rate, wheel_speed, acceleration, turn_acceleration, not 'acceleration, fast,",
+        lambda c: c["fleet"]["limits"].update(fast=None),
+    ),
+    ("p_v: expected a string of 1 decimals", lambda c: c["gains"].update(p_v="1 1")),
+    ("position_scale: expected a string of 1 decimals", lambda c: c["gains"].update(position_scale="1 1")),
+    (
+        "keys position_scale, speed_scale, p_v, d_v, heading_scale, turn_rate_scale, p_omega, d_omega, k_alpha, not",
+        lambda c: c["gains"].pop("p_v"),
+    ),
+    ("keys position_scale, speed_scale, p_v", lambda c: c["gains"].pop("speed_scale")),
+    ("psi_bar: expected a string of 1 decimals of one form, not 1", lambda c: c.update(psi_bar=1)),
+    ("psi_bar: expected a string of 1 decimals of one form, not '1 1'", lambda c: c.update(psi_bar="1 1")),
+    ("keys here, opposite, not []", lambda c: c.update(arcs=[])),
+    ("keys here, opposite, not 'opposite'", lambda c: c["arcs"].pop("here")),
+    ("arcs: expected a string of 0 decimals of one form, not []", lambda c: c["arcs"].update(here=[])),
+    ("keys link, depth, not ''", lambda c: c.update(tree={})),
+    ("tree: link: expected a string of 1 decimals", lambda c: c["tree"].update(link="-1 -1")),
+    ("tree: depth: expected a string of 1 decimals", lambda c: c["tree"].update(depth="1.5")),
+    ("keys gamma_omega, gamma_v, not ''", lambda c: c.update(rates={})),
+    ("(16*): margin: expected a string of 1 decimals", lambda c: c.update(margins={"(16*)": "0 0"})),
+    ("keys (16*), not ''", lambda c: c.update(margins={})),
+    ("keys (16*), not '(16), (16*)'", lambda c: c["margins"].update({"(16)": "0"})),
+    (
+        "keys schema, conditions, fleet, designed, gains, psi_bar, arcs, tree, margins, rim_speed, rates, not 'arcs,",
+        lambda c: c.update(more=1),
+    ),
+    ("keys schema, conditions, fleet, designed, gains", lambda c: c.pop("arcs")),
+    ("keys family, mean, frequency, sin, cos, not None", lambda c: c["fleet"].update(excitation=None)),
+    ("excitation: expected a string of 1 decimals", lambda c: c["fleet"]["excitation"].update(sin="x")),
+    ("excitation: mean: expected a string of 1 decimals", lambda c: c["fleet"]["excitation"].update(mean="1 2")),
+    ("frequency: expected a string of 1 decimals", lambda c: c["fleet"]["excitation"].update(frequency="x")),
 ]
 
 
@@ -101,8 +143,9 @@ OTHER_FORMS: list[Change] = [
 def test_a_document_of_another_form_is_refused(number: int) -> None:
     content = single()
     assert check(content).valid
-    OTHER_FORMS[number](content)
-    refusal(content)
+    words, change = OTHER_FORMS[number]
+    change(content)
+    assert words in refusal(content)
 
 
 @pytest.mark.parametrize("content", [[1], "x", 5, None, {}])
@@ -123,17 +166,22 @@ BROKEN: list[tuple[str, Change]] = [
     ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 3 3 4")),
     ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 4 3 4")),
     ("edges: all must be from 0 to 5", lambda c: c["fleet"]["edges"].update(head="1 5 2 3 3 4 6")),
+    ("edges: all must be from 0 to 5", lambda c: c["fleet"]["edges"].update(tail="-1 0 1 1 2 3 4")),
     ("weight: all must be > 0", lambda c: c["fleet"]["edges"].update(weight="1 1 1 1 1 1 0")),
     ("leader weight: all must be > 0", lambda c: c["fleet"]["leader_links"].update(weight="10 -10")),
     ("leader_links must be in rising order", lambda c: c["fleet"]["leader_links"].update(vehicle="3 1")),
     ("leader_links must be in rising order", lambda c: c["fleet"]["leader_links"].update(vehicle="1 1")),
     ("leader_links: all must be from 0 to 5", lambda c: c["fleet"]["leader_links"].update(vehicle="1 6")),
+    ("leader_links: all must be from 0 to 5", lambda c: c["fleet"]["leader_links"].update(vehicle="-1 1")),
     ("connected: vehicle 2", lambda c: c["fleet"]["leader_links"].update(vehicle="3", weight="10")),
     ("connected: vehicle 1", lambda c: c["tree"].update(link="-1 -1 2 -1 5 1")),
     ("connected: vehicle 1", lambda c: c["tree"].update(link="2 -1 2 -1 5 1")),
     ("connected: vehicle 1", lambda c: c["tree"].update(depth="0 0 1 0 1 2")),
     ("connected: vehicle 6", lambda c: c["tree"].update(depth="1 0 1 0 1 1")),
     ("tree: link: all must be from -1 to 6", lambda c: c["tree"].update(link="7 -1 2 -1 5 1")),
+    ("tree: link: all must be from -1 to 6", lambda c: c["tree"].update(link="-2 -1 2 -1 5 1")),
+    ("tree: depth: all must be from 0 to 5", lambda c: c["tree"].update(depth="1 0 1 0 1 6")),
+    ("tree: depth: all must be from 0 to 5", lambda c: c["tree"].update(depth="1 -1 1 0 1 2")),
     ("psi_bounded: psi has the mean", lambda c: c["fleet"]["excitation"].update(mean="2.5")),
     ("(15): vehicle 1", lambda c: c["gains"].update(d_omega="27.09 59.00 28.00 59.00 28.00 28.00")),
     ("(16): vehicle 5", lambda c: c["gains"].update(d_v="840 840 840 840 841 841")),
@@ -151,6 +199,49 @@ def test_each_rule_names_what_fails(number: int) -> None:
     assert words in reason(content)
 
 
+@pytest.mark.parametrize(
+    ("vehicle", "words"),
+    [
+        ("0 3 3 6 9", "speed must be in rising order, each once"),
+        ("3 0 4 6 9", "speed must be in rising order, each once"),
+        ("0 3 4 6 10", "speed: all must be from 0 to 9"),
+        ("-1 3 4 6 9", "speed: all must be from 0 to 9"),
+    ],
+)
+def test_a_limit_is_of_vehicles_in_order(vehicle: str, words: str) -> None:
+    content = document("mixed_ring")
+    assert content["fleet"]["limits"]["speed"]["vehicle"] == "0 3 4 6 9"
+    content["fleet"]["limits"]["speed"]["vehicle"] = vehicle
+    assert words in reason(content)
+
+
+def links_of(reader: kernel.Reader, *pairs: tuple[int, int]) -> kernel.Graph:
+    """Edges of weight 1, and none to the leader."""
+    tail, head = (" ".join([str(pair[end]) for pair in pairs]) for end in (0, 1))
+    edges = {"tail": tail, "head": head, "weight": " ".join("1" * len(pairs))}
+    return kernel.read_graph(reader, edges, {"vehicle": "", "weight": ""}, None)[0]
+
+
+def test_each_pair_has_one_link_at_most() -> None:
+    all_pairs = (0, 1), (0, 2), (1, 2)
+    assert links_of(kernel.Reader(0, 3), *all_pairs).degree == [2, 2, 2]
+    with pytest.raises(kernel.UnreadableError, match="4 links between 3 vehicles are too many"):
+        links_of(kernel.Reader(0, 3), *all_pairs, (1, 2))
+    with pytest.raises(kernel.FalseError, match="edges must be in rising order"):
+        links_of(kernel.Reader(0, 4), *all_pairs, (1, 2))
+
+
+@pytest.mark.parametrize("places", [0, 1, 3])
+def test_many_links_have_fewer_places(places: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Vehicles times places, and links times places, are bounded: five vehicles here and six links."""
+    reader, pairs = kernel.Reader(places, 5), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3), (3, 4)]
+    monkeypatch.setattr(kernel, "MAX_SIZE", 6 * max(1, places))
+    assert len(links_of(reader, *pairs).tail) == 6
+    monkeypatch.setattr(kernel, "MAX_SIZE", 6 * max(1, places) - 1)
+    with pytest.raises(kernel.UnreadableError, match="6 links between 5 vehicles are too many"):
+        links_of(reader, *pairs)
+
+
 def test_a_designed_weight_of_0_is_no_link() -> None:
     content = document()
     weights = {"edges": "1 1 1 1 1 1 1", "leader_links": "10 10"}
@@ -162,6 +253,8 @@ def test_a_designed_weight_of_0_is_no_link() -> None:
     assert "connected: vehicle 2" in reason(content)
     content["designed"]["weights"] = {**weights, "edges": "-1 1 1 1 1 1 1"}
     assert "designed weight: all must be >= 0" in reason(content)
+    content["designed"]["weights"] = {**weights, "leader_links": "-1 10"}
+    assert "designed leader weight: all must be >= 0" in reason(content)
 
 
 def test_designed_parts_are_used_in_place_of_the_fleets() -> None:

@@ -54,12 +54,19 @@ def test_the_theorem_has_a_sentence_for_each_claim_and_no_other(name: str, own: 
 
 def test_every_object_is_named_by_its_digest() -> None:
     """Another number anywhere changes the digest of its part, and of no other part."""
-    first = check(document()).digests
+    first, fleet = check(document()).digests, document()["fleet"]
+    edges, led = fleet["edges"], fleet["leader_links"]
     assert first == {
-        "fleet": digest_of(document()["fleet"]),
-        "graph": first and first["graph"],
+        "fleet": digest_of(fleet),
+        "graph": digest_of(
+            {
+                "vehicles": 6,
+                "edges": [edges["tail"], edges["head"], edges["weight"]],
+                "leader_links": [led["vehicle"], led["weight"]],
+            }
+        ),
         "gains": digest_of(document()["gains"]),
-        "psi": digest_of(document()["fleet"]["excitation"]),
+        "psi": digest_of(fleet["excitation"]),
     }
     assert all(f"sha256:{line[13:77]}" in first.values() for line in check(document()).theorem[:4])
 
@@ -166,6 +173,7 @@ def test_limits_and_torques_of_few_vehicles_are_printed_one_by_one() -> None:
     assert "Constraint 1): 55 (vehicle 1), 160 (vehicle 2), 54 (vehicle 3), 1.4 (vehicle 4), 1.1 (vehicle 5), " in text
     assert kernel.each(10, range(2), [5, 15]) == "0.5 (vehicle 1), 1.5 (vehicle 2)"
     assert kernel.each(10, range(30), [5] * 30) == "0.5"
+    assert kernel.each(1, range(20), list(range(20))).count("(vehicle") == 20
     assert kernel.each(10, range(21), list(range(21))) == "0 to 2"
 
 

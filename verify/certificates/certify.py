@@ -117,7 +117,8 @@ def _column(fleet: Fleet, name: str, values: Sequence[Any]) -> str:
     """A column of positive decimals. Raises InputError."""
     for vehicle, number in zip(fleet.names, values, strict=False):
         places = decimal_places(number.denominator)
-        if places is not None and places <= kernel.MAX_PLACES and number < LARGEST:
+        short = places is not None and places <= kernel.MAX_PLACES
+        if short and number.numerator < LARGEST * number.denominator:
             continue
         label = f"gains: vehicle {vehicle!r}: {name}"
         if places is None:
