@@ -70,7 +70,7 @@ FINER = "finer, or coarser by as little: the enclosure holds all the same"
 ARGUED: dict[tuple[str, str, str], str] = {
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 1000001.0"): "any number beyond all N and N m serves",
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 999999.0"): "any number beyond all N and N m serves",
-    ("conditions", "casadi_numbers", "ca.DM(constant(ca.DM(q).full())) -> constant(ca.DM(q).full())"): (
+    ("conditions", "casadi_numbers.tanh", "ca.DM(constant(ca.DM(q).full())) -> constant(ca.DM(q).full())"): (
         "CasADi multiplies by a NumPy column as by its own"
     ),
     ("kernel", "", "10 ** 6 -> 11 ** 6"): WORK,

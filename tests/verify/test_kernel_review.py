@@ -65,7 +65,7 @@ def test_the_work_on_a_bound_near_the_supremum_is_limited() -> None:
     document = single()
     document["fleet"]["excitation"] = harmonics(" ".join(["0"] * 199 + ["1"]))
     begin = time.process_time()
-    for count, refused in ((1100, False), (1200, True)):
+    for count, refused in ((360, False), (380, True)):
         document["arcs"] = {"here": " ".join(["79"] * count), "opposite": "0 0"}
         try:
             assert not check(document).valid and not refused
