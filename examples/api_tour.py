@@ -10,16 +10,15 @@ from gaincert.models.conditions import exact_numbers, torque_bound
 from gaincert.models.errors import InputError
 from gaincert.models.files.text import write_json
 from gaincert.reports.deployment import write_fleet_copy
-from gaincert.synthesis.settings import FAST, Settings
 from gaincert.verify.simulation.simulate import summarize
 
 
-def tour(folder: Path, settings: Settings = FAST) -> None:
-    """Design, certify, simulate, prove, report and export the line of TurtleBots; `settings` limit the search."""
+def tour(folder: Path, mode: str = "fast") -> None:
+    """Design, certify, simulate, prove, report and export the line of TurtleBots."""
     fleet = load_fleet(Path(__file__).parent / "turtlebot3_line.toml")
     print(f"{fleet.name}: {len(fleet)} vehicles, {fleet.graph.edges} links, {fleet.digest[:14]}...")
 
-    designed = design(fleet, conditions="corrected", settings=settings)
+    designed = design(fleet, conditions="corrected", mode=mode)
     print("p_v / N:", ", ".join(f"{float(p):g}" for p in designed.gains.p_v), "found by the", designed.origin)
     print("psi is bounded by", float(designed.excitation.bound))
 

@@ -15,7 +15,7 @@ class Settings:
     """The numbers of the design and its search. DRAFT, FAST and BEST are those of the three modes."""
 
     # How long the search goes on. It counts work, not time, so that its result is the same on every machine.
-    work: float = 5e9  # evaluations of one vehicle's controller, 20 ns each: 50 s on two cores; 0: no search
+    work: float = 2.5e9  # evaluations of one vehicle's controller, 20 ns each: 25 s on two cores; 0: no search
     separate_gains: bool = False  # whether the search goes on to separate gains and scales per vehicle or role
     keep_on_interrupt: bool = False  # whether an interrupt ends the search with its best, and not the program
 
@@ -25,7 +25,7 @@ class Settings:
     ranking_starts: int = 100  # far ones of the ranking in the end
     ranking_work: float = 1e9  # evaluations after which the ranking does not wait for more starts to settle
     explored_starts: int = 6  # far ones per random candidate of the exploration
-    learned_starts: int = 12  # far ones of a generation
+    learned_starts: int = 8  # far ones of a generation
     near_share: float = 1 / 3  # near starts per far start
     near_errors: float = 1.0  # the largest error of a near start, in tolerances
     near_tolerance: float = 0.5  # of the tolerance, into which near starts have to settle: no error may freeze there
@@ -39,7 +39,7 @@ class Settings:
     exploration_share: float = 0.25  # of the work, after which it ends
     first_horizon: float = 64.0  # tau, and the way at top speed; doubled until enough candidates settle
     longest_horizon: float = 2.0**14  # the same
-    basins: int = 4  # of the best explored points, from which runs of CMA-ES begin
+    basins: int = 2  # of the best explored points, from which runs of CMA-ES begin
     basin_distance: float = 0.5  # largest difference, in logarithms, below which two beginnings count as one
 
     # CMA-ES over the scalars; the worse half of the runs ends after each round.
@@ -93,10 +93,10 @@ class Settings:
 FAST = Settings()
 DRAFT = replace(
     FAST,
-    work=4e8,
+    work=2e8,
     explored=240,
-    basins=2,
     generations=3,
+    converged=0.05,
     training_starts=24,
     heldout_starts=8,
     ranking_starts=12,
