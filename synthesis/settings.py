@@ -103,4 +103,4 @@ DRAFT = replace(
 )
 BEST = replace(FAST, separate_gains=True, keep_on_interrupt=True, basins=8, scalars_share=0.4)
 MODES = {"draft": DRAFT, "fast": FAST, "best": BEST}
-WORK_PER_SECOND = 1.5e8  # of two cores, which a time limit is translated with
+WORK_PER_SECOND = 1e8  # of two cores, which a time limit is translated with
