@@ -77,6 +77,7 @@ def measure_all(
     workers, fleets = os.cpu_count() or 1 if executor else 1, len(controls.frequency)
     jobs: list[Job] = []
     shapes: list[tuple[int, int]] = []
+    kinds: list[tuple[type[Continuous | Sampled], Setup]]
     kinds = [(Continuous, setup), (Sampled, setup), (Continuous, setup.near), (Sampled, setup.near)]
     for (kind, used), some in zip(kinds, starts, strict=True):
         if some is None:

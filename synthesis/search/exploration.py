@@ -38,13 +38,13 @@ def explore(comparison: Comparison, space: Space, centres: Sequence[Point], prog
 def _best(comparison: Comparison, space: Space, points: Floats, longest: float) -> list[Scored]:
     """The best points with their costs: the better half goes on to twice the horizon, until enough of them settle."""
     settings, horizon = comparison.settings, min(comparison.shortest, longest)
-    costs = comparison.explored(space.proposals(points), horizon)
+    costs = comparison.explored(space.proposals(list(points)), horizon)
     enough = settings.basins
     while np.sum(costs < horizon) < enough and horizon < longest and comparison.share < settings.exploration_share:
         horizon = min(2 * horizon, longest)
         better = np.argsort(costs, kind="stable")[: max(2 * enough, math.ceil(len(points) / 2))]
         points = points[better]
-        costs = comparison.explored(space.proposals(points), horizon)
+        costs = comparison.explored(space.proposals(list(points)), horizon)
     return list(zip(costs.tolist(), points, strict=True))
 
 
