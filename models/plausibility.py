@@ -11,7 +11,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from .fleet import Fleet
-from .fleet_tables import Leader, Vehicle
+from .fleet_tables import Leader, Pose, Vehicle
 from .numbers import low, nominal
 
 DENSE, LIGHT = 3000.0, 2.0  # kg / m^3, mass over the cube of the track: metal, and foam
@@ -101,7 +101,7 @@ def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
         yield Slip(
             "torque",
             f"torque_limit = {torque:g} N m could accelerate {_kg(vehicle)} at "
-            f"{acceleration(vehicle):.3g} m/s^2, and tyres hold about 10: it is in N m, not in kg cm or N cm",
+            f"{acceleration(vehicle):.3g} m/s^2, and tyres hold about 10: torque_limit is in N m, not in kg cm",
         )
     if gyration < NARROW or (vehicle.footprint is not None and vehicle.footprint < nominal(vehicle.half_track)):
         yield Slip(
@@ -152,13 +152,18 @@ def _of_places(vehicle: Vehicle, leader: Leader) -> Iterator[Slip]:
                 f"{what} place",
                 f"its {what} is {_length(distance)} from the leader: lengths are in m, not in mm",
             )
-    if start is not None and start.heading is not None and abs(start.heading) > math.tau:
-        yield Slip("heading", _degrees("start heading", float(start.heading)))
+    if start is not None and in_degrees(start):
+        yield Slip("heading", _degrees("start heading", start.theta))
 
 
 def _of_leader(leader: Leader) -> Iterator[str]:
-    if leader.heading is not None and abs(leader.heading) > math.tau:
-        yield _degrees("leader: heading", float(leader.heading))
+    if in_degrees(leader):
+        yield _degrees("leader: heading", leader.theta)
+
+
+def in_degrees(pose: Pose) -> bool:
+    """Whether the heading in rad is more than a turn, and so most likely meant in degrees."""
+    return pose.heading is not None and abs(pose.heading) > math.tau
 
 
 def _degrees(what: str, heading: float) -> str:
@@ -181,7 +186,7 @@ def _on_one_place(fleet: Fleet) -> Iterator[str]:
 
 
 def _kg(vehicle: Vehicle) -> str:
-    return f"{float(nominal(vehicle.mass)):.4g} kg"
+    return f"{float(nominal(vehicle.mass)):.6g} kg"
 
 
 def _length(metres: float) -> str:

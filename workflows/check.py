@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
     """Print the summary of a fleet file and return it, as JSON. Raises InputError with all mistakes."""
     from ..models.files.fleet_file import load_fleet_file
-    from ..models.plausibility import slips
+    from ..models.plausibility import in_degrees, slips
     from ..models.vehicle_notes import centre_of_mass_note, heading_hint
     from ..reports.obstacles import of_fleet
     from ..reports.tables.fleet_summary import fleet_summary
@@ -22,7 +22,8 @@ def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
 
     read = load_fleet_file(path)
     summary, robots = fleet_summary(read.fleet), robot_summaries(read)
-    hints = (heading_hint(vehicle, read.fleet.leader) for vehicle in read.fleet.vehicles)
+    turned = (one for one in read.fleet.vehicles if not (one.start and in_degrees(one.start)))  # else a warning says so
+    hints = (heading_hint(vehicle, read.fleet.leader) for vehicle in turned)
     notes = list(filter(None, (centre_of_mass_note(read.fleet), *hints)))
     printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
     for robot in robots[:SHOWN]:

@@ -106,3 +106,18 @@ def test_check_prints_robots_warnings_and_notes(path, tmp_path):
         "source": "cart.urdf: 4 links",
     }
     assert len(document["notes"]) == 2
+
+
+def test_check_says_what_each_robot_is_and_warns_once_of_a_slip_of_all(path):
+    path.write_text(FLEET.replace("heading_deg = 540", "heading = 90") + "mass = 10300\n")
+    done = gaincert("check", path)
+    assert done.returncode == 0, done.stderr
+    lines = done.stdout.splitlines()
+    assert any(
+        line.startswith("robot a, b: 10.3 kg on wheels of 100 mm diameter, 400 mm apart; full") for line in lines
+    )
+    warnings = [line for line in lines if line.startswith("warning: ")]
+    assert any("vehicle 'c': 10300 kg" in line and "mass is in kg, not in g" in line for line in warnings)
+    assert any("vehicle 'b': start heading = 90 rad is 14.3 turns" in line for line in warnings)
+    assert not any("will turn back" in line for line in lines)  # one slip, one line
+    assert json.loads(gaincert("check", path, "--json").stdout)["warnings"]
