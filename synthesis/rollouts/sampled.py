@@ -44,7 +44,8 @@ class Sampled(Columns):
         width, delay = state.shape[-1], setup.disturbance.delay
         self._setup, self._controls, self._number = setup, controls, 0
         self._noise = setup.disturbance.noise(setup.vehicles)
-        self.cost = 1 if self._noise is None else 2
+        rubbing = STEPS_WITH_FRICTION if setup.disturbance.friction else 0
+        self.cost = 1 + (self._noise is not None) + rubbing
         waiting = [np.zeros((2, setup.vehicles, width), Single) for _ in range(delay)]
         self._begin(state, waiting, np.zeros(width, Single))
 

@@ -16,6 +16,8 @@ from .closed_loop import Controls
 from .columns import Columns, Setup
 from .runge_kutta import Array
 
+UNCHANGED = 1e-6  # relative change of a squared error that single precision does not tell from none
+
 
 class Outcomes(NamedTuple):
     """The outcomes of rollouts, (controllers, starts)."""
@@ -48,7 +50,7 @@ def _settle(columns: Columns, setup: Setup, horizon: float, period: Array, outco
     """Let columns run until all have settled or are late, and write what became of them into `outcomes`."""
     settings, at = setup.settings, np.arange(len(period))
     most = max(1.0, horizon / setup.disturbance.sample_time)  # steps of one rollout
-    steps = 0
+    steps, standing = 0, _Standing(len(period))
     while len(at):
         columns.advance(settings.steps_between_checks)
         steps += settings.steps_between_checks
@@ -56,7 +58,8 @@ def _settle(columns: Columns, setup: Setup, horizon: float, period: Array, outco
         hold = settings.settled_periods * period[at] + settings.settled_share * t
         failed = failed.astype(bool)
         settled = (t - last > hold) & ~failed
-        done = settled | failed | (t >= horizon) | (steps >= most)
+        held = standing.outside(columns.far, t) > settings.settled_periods * period[at]
+        done = settled | failed | held | (t >= horizon) | (steps >= most)
         if not done.any():
             continue
         outcomes.time[at[settled]] = last[settled]
@@ -65,3 +68,21 @@ def _settle(columns: Columns, setup: Setup, horizon: float, period: Array, outco
         at = at[~done]
         if len(at):
             columns.keep(~done)
+            standing.keep(~done)
+
+
+class _Standing:
+    """For how long the largest error of each column has not changed at all while outside the tolerance."""
+
+    def __init__(self, count: int) -> None:
+        self._far, self._since = np.full(count, np.nan), np.zeros(count)
+
+    def outside(self, far: Array, t: Array) -> Array:
+        """Seconds for which it has not, up to the time t."""
+        moves = ~(np.abs(far - self._far) <= UNCHANGED * far) | (far <= 1)
+        self._far, self._since = np.array(far, dtype=float), np.where(moves, t, self._since)
+        return np.asarray(t - self._since)
+
+    def keep(self, stay: Array) -> None:
+        """Only these columns go on."""
+        self._far, self._since = self._far[stay], self._since[stay]

@@ -44,7 +44,7 @@ def best_of(task: Task, proposals: Sequence[Proposal], executor: Executor | None
     horizon, costs, time = _settled(task, candidates, starts, executor)
     best = int(np.argmin(costs))
     count = far.shape[-1]
-    worst = float(time[best].max())
+    worst = float(time[best].max(initial=0, where=np.isfinite(time[best])))
     horizon = min(horizon, PATIENCE * worst)
     progress("measuring the largest sample time", 0.5)
     return Ranked(

@@ -145,6 +145,19 @@ def test_sampled_rollouts_are_those_of_the_verifier(
             assert in_units(task, state_of(held, column) - true) > 2 * error
 
 
+def test_what_friction_holds_is_not_simulated_on(task: Task) -> None:
+    """Robots that stand still outside the tolerance end after some periods of psi, not settled."""
+    held = replace(task.setup, disturbance=Ranked(0.02, coulomb=1e3))
+    controls, starts = controls_of(candidates(task)), task.far_starts(Draw.TRAINING, 2)
+    found = settle_all(Sampled, held, controls, starts, 1e5)
+    assert np.isinf(found.time).all()
+    assert (found.excess > 1).all()
+    periods = 2 * math.pi / controls.frequency.astype(float)
+    steps = (task.setup.settings.settled_periods * periods + 1) / 0.02
+    assert np.all(found.work[:, 0] <= steps * len(task.fleet) * 4)
+    assert found.excess[0, 0] == pytest.approx(settle_all(Sampled, held, controls, starts, 0.1).excess[0, 0])
+
+
 def one_by_one(task: Task, candidate: Candidate, start: State) -> float:
     """The settling time (s) by CVODES at 1e-8, on a grid of 0.1 s."""
     loop, last = loop_of(task, candidate), 0.0
