@@ -568,11 +568,11 @@ def conditions(claims: Claims) -> None:
     """Every condition of the set and every limit holds, with its stated margin to spare."""
     close = 0  # conditions that take the fine tanh
     for name, margins in claims.margins.items():
-        who, limits = claims.limits.get(name, (range(len(margins)), margins))
-        if name == "wheel_speed":  # its margin is taken from what is left to |omega|
-            limits, margins = zip(limits, claims.rim_speed, margins, strict=True), [0] * len(who)
-        condition, strict = CONDITIONS[name], name in STRICT
-        for i, vehicle, limit, margin in zip(who, claims.vehicles(who), limits, margins, strict=True):
+        who, values = claims.limits.get(name, (range(len(margins)), margins))
+        wheels = name == "wheel_speed"  # whose margin is taken from what is left to |omega|
+        limits: Iterable[Any] = zip(values, claims.rim_speed, margins, strict=True) if wheels else values
+        condition, strict, stated = CONDITIONS[name], name in STRICT, [0] * len(who) if wheels else margins
+        for i, vehicle, limit, margin in zip(who, claims.vehicles(who), limits, stated, strict=True):
             if not holds(condition(claims, vehicle, limit, COARSE), margin, strict):
                 sides, close = condition(claims, vehicle, limit, FINE), close + 1
                 if not holds(sides, margin, strict):

@@ -67,12 +67,22 @@ ONE_NUMBER = "the same number"
 WORK = "a bound of the work, not of the truth: any near it serves"
 SHOWN = "for people to read: more digits than are shown"
 FINER = "finer, or coarser by as little: the enclosure holds all the same"
+SHARED = "shared or not, the numbers are the same"
+TWICE, SOME, ALL = "2 * len((distinct := set(texts)))", "len(chosen)", "len(self.columns[0])"
 ARGUED: dict[tuple[str, str, str], str] = {
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 1000001.0"): "any number beyond all N and N m serves",
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 999999.0"): "any number beyond all N and N m serves",
     ("conditions", "casadi_numbers.tanh", "ca.DM(constant(ca.DM(q).full())) -> constant(ca.DM(q).full())"): (
         "CasADi multiplies by a NumPy column as by its own"
     ),
+    ("kernel", "Claims.vehicles", "self.columns[0] -> self.columns[1]"): "all columns have one length",
+    ("kernel", "Claims.vehicles", "self.columns[0] -> self.columns[-1]"): "all columns have one length",
+    ("kernel", "Claims.vehicles", f"{SOME} < {ALL} -> {SOME} <= {ALL}"): "the same vehicles, taken one by one",
+    ("kernel", "integers", f"{TWICE} < len(texts) -> {TWICE} <= len(texts)"): SHARED,
+    ("kernel", "integers", f"{TWICE} -> {TWICE.replace('*', '/')}"): SHARED,
+    ("kernel", "integers", f"{TWICE} -> {TWICE.replace('2', '1')}"): SHARED,
+    ("kernel", "integers", f"{TWICE} -> {TWICE.replace('2', '3')}"): SHARED,
+    ("kernel", "integers", "set(texts) -> texts"): SHARED,
     ("kernel", "", "10 ** 6 -> 11 ** 6"): WORK,
     ("kernel", "", "10 ** 6 -> 9 ** 6"): WORK,
     ("kernel", "", "10 ** 6 -> 10 ** 7"): WORK,

@@ -81,7 +81,7 @@ def test_an_outcome_is_killed_survived_or_timed_out() -> None:
     assert mutation.outcome(lambda: True, 10) == mutation.SURVIVED
     assert mutation.outcome(lambda: False, 10) == mutation.KILLED
     assert mutation.outcome(lambda: [][0], 10) == mutation.KILLED
-    assert mutation.outcome(forever, 1) == mutation.TIMED_OUT
+    assert mutation.outcome(forever, 0.1) == mutation.TIMED_OUT
 
 
 def test_every_argument_is_about_a_mutant_that_there_is() -> None:

@@ -158,6 +158,11 @@ def test_a_long_column_is_read_in_pieces_of_whole_numbers(count: int, distinct: 
     assert list(kernel.integers(" ".join(map(str, numbers)), 10)) == [10 * number for number in numbers]
 
 
+def test_equal_long_numbers_are_one_object() -> None:
+    """A file of short numbers that are all alike is not blown up by the places of another."""
+    assert len({id(number) for number in kernel.integers("700 800 700 700 700", 10**50)}) == 2
+
+
 def test_a_column_has_no_more_places_than_the_certificate() -> None:
     with pytest.raises(kernel.UnreadableError, match="x: expected a string of 1 decimals"):
         kernel.Reader(1, 1).column("1.25", "x")

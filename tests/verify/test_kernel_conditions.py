@@ -239,12 +239,12 @@ def test_a_wheel_speed_is_shared_between_v_and_omega() -> None:
 
 
 @pytest.mark.parametrize(
-    ("d_v", "d_omega", "valid"),
-    [("2", "6", True), ("1", "6", False), ("2", "5", False)],
+    ("limit", "d_v", "d_omega", "valid"),
+    [("2", "2", "6", True), ("2", "1", "6", False), ("2", "2", "5", False), ("1", "2", "6", False)],
 )
-def test_a_wheel_speed_leaves_integers_to_both(d_v: str, d_omega: str, valid: bool) -> None:
+def test_a_wheel_speed_leaves_integers_to_both(limit: str, d_v: str, d_omega: str, valid: bool) -> None:
     """V = arm Omega = 1, the least numbers there are: sqrt2 <= d_v tanh 1 and 1 + 2 sqrt2 <= d_omega tanh 1."""
-    content = {**wheel_document("2", "1"), "psi_bar": "2"}
+    content = {**wheel_document(limit, "1"), "psi_bar": "2"}
     content["fleet"] |= {"wheel_radius": "1", "excitation": harmonics("1")}
     content["gains"] |= {"d_v": d_v, "d_omega": d_omega}
     assert kernel.read_claims(content).unit == 1
