@@ -36,7 +36,7 @@ def having(language):
 
 @pytest.fixture
 def shell(tmp_path):
-    """A shell in an empty folder where `gaincert` is the one that is tested; its designs are drafts."""
+    """A shell in a folder with `examples` alone; `gaincert` is the one that is tested, its designs are drafts."""
     programs = tmp_path / "bin"
     programs.mkdir()
     script = programs / "gaincert"
@@ -44,6 +44,7 @@ def shell(tmp_path):
     script.chmod(0o755)
     work = tmp_path / "work"
     work.mkdir()
+    (work / "examples").symlink_to(ROOT / "examples")
     environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"}
 
     def run(*command):
