@@ -60,6 +60,10 @@ def simulate_schemes(
     first = stored = runs[scheme]
     summary = summarize(fleet, first, simulation.tolerance, with_error=True)
     printer.say(f"simulation of the {scheme} scheme: {sentence(summary)}", *hints(summary), motion(summary))
+    for name in simulation.schemes[1:]:
+        if name in runs:
+            beside = summarize(fleet, runs[name], simulation.tolerance)
+            printer.say(f"the {name} scheme for comparison: {sentence(beside)}")
     if disturbance is not None:
         summary, stored = _disturbed(fleet, first, disturbance, summary)
         drawn = {"with the disturbance": stored, **drawn}

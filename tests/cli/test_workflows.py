@@ -186,6 +186,8 @@ def test_run_takes_gains_and_designs_none(tmp_path: Path, monkeypatch: pytest.Mo
     assert names <= {path.name for path in tmp_path.iterdir()}
     assert not (tmp_path / "design.json").exists()
     assert b"unbounded scheme" in (tmp_path / "figures" / "paths.svg").read_bytes()
+    (line,) = (line for line in done.stderr.splitlines() if line.startswith("the unbounded scheme for comparison: "))
+    assert "not settled within 5 s" in line and "peak torque 75" in line
 
 
 @pytest.mark.usefixtures("quick_proof")
