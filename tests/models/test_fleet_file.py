@@ -148,6 +148,12 @@ TABLE = {
         ["vehicle 'a': mass = (too long to show) is larger than 1e60; it must be a number > 0"],
     ),
     "empty interval": ("inertia = [3, 3.5]", "inertia = []", [f"vehicle 'b': inertia = [] {POSITIVE}"]),
+    "interval of one": ("inertia = [3, 3.5]", "inertia = [3]", [f"vehicle 'b': inertia = [3] {POSITIVE}"]),
+    "interval of three": (
+        "inertia = [3, 3.5]",
+        "inertia = [3, 4, 5]",
+        [f"vehicle 'b': inertia = [3, 4, 5] {POSITIVE}"],
+    ),
     "turned interval": (
         "inertia = [3, 3.5]",
         "inertia = [3.5, 3]",
