@@ -102,8 +102,9 @@ RISING = {0: ((40, -40), Fraction(-3, 4), Fraction(1)), 1: ((-40, 40), Fraction(
 
 def rising_state(data: BallFleet) -> State:
     """A state at which W rises although |omega_1| >= 1."""
-    errors, headings, rates = ({place: row[part] for place, row in RISING.items()} for part in range(3))
-    return data.state(errors, {place: ball(turn) * arb.pi() for place, turn in headings.items()}, omega=rates)
+    errors = {place: error for place, (error, _, _) in RISING.items()}
+    headings = {place: ball(turn) * arb.pi() for place, (_, turn, _) in RISING.items()}
+    return data.state(errors, headings, omega={place: rate for place, (_, _, rate) in RISING.items()})
 
 
 def _rising_point() -> dict[Expr, Expr]:
