@@ -103,7 +103,7 @@ def test_templates_raise_none(kind, tmp_path) -> None:
     assert slips(load_fleet(tmp_path / "fleet.toml")) == []
 
 
-@pytest.mark.parametrize("name", ["turtlebot3_line", "mixed_ring"])
+@pytest.mark.parametrize("name", ["turtlebot3_line", "mixed_ring", "five_robots"])
 def test_examples_raise_none(name) -> None:
     assert slips(load_fleet(EXAMPLES / f"{name}.toml")) == []
 
