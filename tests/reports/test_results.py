@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from gaincert.models.digests import Digests
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
+from gaincert.reports.figures.margins import write_margins
 from gaincert.reports.html.page import write_report
 from gaincert.reports.html.verdicts import many_starts_verdict, proof_verdict, run_verdicts
 from gaincert.reports.results import (
     ClaimResult,
     ManyStartsResult,
+    MarginResult,
     RunResult,
     current_digests,
     say_stale,
@@ -158,6 +160,16 @@ def test_many_starts_list_every_disturbance_with_its_count():
     alone, together = (fact.split(" settle")[0] for fact in runs)
     assert alone == "torques held for 20 ms: 3 of 3"
     assert together.endswith("noise of 0.005 m, 0.01 rad, friction of 0.02 N m at every wheel: 2 of 3")
+
+
+def test_margins_are_drawn_one_axis_for_each_disturbance(tmp_path):
+    margins = {
+        "sample_time": MarginResult(largest=0.05, present=0.02, unit="s", tried=(0.002, 2.0)),
+        "coulomb": MarginResult(largest=None, present=0.0, unit="N m", tried=(0.001, 1.0)),
+    }
+    paths = write_margins(margins, tmp_path)
+    assert {path.stem for path in paths} == {"margins"} and {".svg", ".png"} <= {path.suffix for path in paths}
+    assert all(path.stat().st_size > 2_000 for path in paths)
 
 
 def test_refuted_statements_are_the_papers():
