@@ -15,14 +15,14 @@ _NAMES = "|".join(sorted(GREEK, key=len, reverse=True))
 _ALONE = r"(?<![\w*'<])(?!(?<=\()\w\))(?!(?<=/)s)[B-HJ-MO-Zb-lo-z](?![\w'>])"
 # A Greek letter, or a Latin one alone or with subscripts or primes; perhaps transposed. Relations, roots.
 _MATH = re.compile(
-    rf"\b(?P<letter>(?:{_NAMES})(?![A-Za-z])|[A-Za-z](?=_|')|{_ALONE})(?P<subs>(?:_[A-Za-z0-9]+)*)"
+    rf"\b(?P<letter>(?:{_NAMES})(?![A-Za-z])|sum(?=_)|[A-Za-z](?=_|')|{_ALONE})(?P<subs>(?:_[A-Za-z0-9]+)*)"
     r"(?P<primes>'*)(?P<top>\^T)?"
-    r"|(?P<sign>sqrt2|<=|>=|->|\+-|(?<![\w)-])-(?=[\w ]))"
+    r"|(?P<sign>sqrt2|\^2|<=|>=|->|\+-|(?<![\w)-])-(?=[\w ]))"
 )
-_HTML = {"sqrt2": "√2", "<=": "≤", ">=": "≥", "->": "→", "+-": "±", "-": "−", "perp": "⊥", "il": "iℓ"}
+_HTML = {"sqrt2": "√2", "<=": "≤", ">=": "≥", "->": "→", "+-": "±", "-": "−", "^2": "²", "perp": "⊥", "il": "iℓ"}
 _TEX = {
-    "sqrt2": r"\sqrt{2}", "<=": r"\le", ">=": r"\ge", "->": r"\to", "+-": r"\pm", "-": "-", "perp": r"\perp",
-    "il": r"i\ell",
+    "sqrt2": r"\sqrt{2}", "<=": r"\le", ">=": r"\ge", "->": r"\to", "+-": r"\pm", "-": "-", "^2": "^{2}",
+    "perp": r"\perp", "il": r"i\ell",
 }  # fmt: skip
 
 
@@ -66,7 +66,7 @@ def _html(found: re.Match[str]) -> str:
     if found["sign"]:
         return _HTML[found["sign"]]
     subs, bar = _subs(found)
-    letter = GREEK.get(found["letter"], found["letter"]) + ("\u0304" if bar else "")
+    letter = (GREEK | {"sum": "∑"}).get(found["letter"], found["letter"]) + ("\u0304" if bar else "")
     lower = "".join(_HTML.get(sub, GREEK.get(sub, sub)) for sub in subs)
     shown = f"<i>{letter}</i>" + (f"<sub>{lower}</sub>" if lower else "") + "′" * len(found["primes"])
     return shown + ("<sup>⊤</sup>" if found["top"] else "")
@@ -76,7 +76,7 @@ def _tex(found: re.Match[str]) -> str:
     if found["sign"]:
         return _TEX[found["sign"]]
     subs, bar = _subs(found)
-    letter = f"\\{found['letter']}" if found["letter"] in GREEK else found["letter"]
+    letter = f"\\{found['letter']}" if found["letter"] in (*GREEK, "sum") else found["letter"]
     letter = f"\\bar{{{letter}}}" if bar else letter
     lower = " ".join(_TEX.get(sub, f"\\{sub}" if sub in GREEK else _word(sub)) for sub in subs)
     shown = letter + (f"_{{{lower}}}" if lower else "")
@@ -85,4 +85,4 @@ def _tex(found: re.Match[str]) -> str:
 
 
 def _word(sub: str) -> str:
-    return sub if len(sub) == 1 else f"\\mathrm{{{sub}}}"
+    return sub if len(sub) <= 2 else f"\\mathrm{{{sub}}}"

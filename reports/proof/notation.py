@@ -15,8 +15,8 @@ from ...models.algebra.log_cosh import log_cosh
 from ..escapes import tex_text
 from .letters import LETTERS, letter_of
 
-_GREEK_NAMES = "alpha beta gamma delta epsilon eta theta kappa lambda mu nu xi rho sigma tau phi chi psi omega"
-GREEK = dict(zip(_GREEK_NAMES.split(), "αβγδεηθκλμνξρστφχψω", strict=True))
+_GREEK_NAMES = "alpha beta gamma delta epsilon eta theta kappa lambda mu nu xi pi rho sigma tau phi chi psi omega"
+GREEK = dict(zip(_GREEK_NAMES.split(), "αβγδεηθκλμνξπρστφχψω", strict=True))
 _MARKS = {"dot": "˙", "ddot": "¨", "bar": "¯", "hat": "^"}
 _ARROWS = {"∥": "\\parallel", "⊥": "\\perp"}
 CACHED = 4096  # expressions of one report
@@ -55,7 +55,17 @@ class _Ordered:
         return sorted(terms, key=lambda term: bool(term.could_extract_minus_sign()))
 
 
+def _ten_to(number: Any) -> int | None:
+    """The exponent of a long power of ten, which nobody wants to count the zeros of."""
+    zeros = len(str(number)) - 1
+    return zeros if zeros > 4 and number == 10**zeros else None
+
+
 class _Latex(_Ordered, LatexPrinter):  # type: ignore[misc]
+    def _print_Integer(self, expr: Any) -> str:  # noqa: N802
+        power = _ten_to(expr)
+        return f"10^{{{power}}}" if power else str(expr)
+
     def _print_Symbol(self, expr: Any, style: str = "plain") -> str:  # noqa: ARG002, N802
         letter, index = letter_of(expr.name)
         shown = _latex_letter(letter.letter)
@@ -86,6 +96,15 @@ def _latex_index(index: str) -> str:
 
 
 class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
+    def _print_Integer(self, expr: Any) -> Any:  # noqa: N802
+        power = _ten_to(expr)
+        if not power:
+            return self._leaf(str(expr), "mn")
+        node = self.dom.createElement("msup")
+        for number in (10, power):
+            node.appendChild(self._leaf(str(number), "mn"))
+        return node
+
     def _print_Symbol(self, expr: Any, style: str = "plain") -> Any:  # noqa: ARG002, N802
         letter, index = letter_of(expr.name)
         shown = self._leaf(GREEK.get(letter.letter, letter.letter))

@@ -147,7 +147,7 @@ PAPER: dict[str, Words] = {
     "eq-15-paper": Words("(15) on the paper's gains", "Met by less than 4 % for every vehicle."),
     "eq-16-paper": Words("(16) on the paper's gains", "Met."),
     "conservatism": Words("(16) against (16*)", "What (16) asks beyond need on the paper's data, in per cent."),
-    "unit-scales": Words("saturation scales, all 1", "The paper's equations (13), (14)."),
+    "unit-scales": Words("saturation scales, all 1", "The paper's equations (8), (10), (13), (14)."),
     "other-units": Words(
         "saturation scales rho = 1, s = l o",
         "The paper's controller in other units: lengths in l, times in 1/o, mass m l o^2, inertia I o^2.",

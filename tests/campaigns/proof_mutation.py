@@ -7,7 +7,7 @@ where a letter is used that the report does not explain, or where a planted erro
 that does not follow (`proof_rules.py`) is judged otherwise. A change in a rule or in the model is killed by another
 formula in the report, too; a change in a claim is not, since the formula may be what was changed.
 
-What survives changes no more than the wording of a formula. `ARGUED` says why it may.
+What survives changes no more than the wording of a formula. `proof_survivors.py` says why it may.
 
 Every mutant has a process of its own, which imports anew the changed module and all that import it.
 """
@@ -17,12 +17,12 @@ from __future__ import annotations
 import argparse
 import ast
 import os
-import random
 import sys
 import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
 from itertools import zip_longest
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -30,6 +30,7 @@ from typing import NamedTuple, TypeVar
 from tests.campaigns import code_mutation
 from tests.campaigns.code_mutants import Mutant, mutants
 from tests.campaigns.code_mutation import KILLED, SURVIVED, TIMED_OUT
+from tests.campaigns.proof_survivors import ALIKE, ARGUED
 from tests.test_layers import IMPORTS, module_of
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -210,21 +211,8 @@ def outcomes(chosen: Sequence[Change], workers: int = 2) -> Iterator[tuple[Chang
 
 
 def sample(count: int, seed: int = 0) -> list[Changed]:
-    """Some mutants, the same for the same seed."""
-    return random.Random(seed).sample(every_mutant(), count)  # noqa: S311
-
-
-# A call that may be left out wherever nothing notices: its name -> reason.
-ALIKE = {
-    "tuple": "a sequence serves as well as the tuple of it",
-    "float": "the number serves as well as the float of it",
-    "bool": "SymPy compares to True or False",
-}
-# What else survives and why it may: (file, function, change) -> reason.
-SHOWN = "how a formula is written: in states it is the same"
-WEAKER = "a weaker statement, true as well, and the report prints it"
-INNER = "a letter that no formula shows"
-ARGUED: dict[tuple[str, str, str], str] = {}
+    """Some mutants in an order by chance, in which those of other functions stay where they are when one is changed."""
+    return sorted(every_mutant(), key=lambda changed: sha256(f"{seed}: {changed.place}".encode()).digest())[:count]
 
 
 def main() -> int:

@@ -104,7 +104,13 @@ def _piece(claim: Claim, formulas: bool) -> list[Any]:
 def _verdict(claim: Claim) -> list[Any]:
     facts = [_found(fact) for fact in (*claim.facts, *claim.truth)]
     walks = [[len(walk.after), len(walk.pairs), str(walk.residual)] for walk in claim.walks]
-    return [claim.id, claim.kind.name, claim.status.name, claim.rests_on, len(claim.assumptions), facts, walks]
+    names = _names(claim) if claim.kind is Kind.FLEET else []  # which vehicle a number is of
+    return [claim.id, claim.kind.name, claim.status.name, claim.rests_on, len(claim.assumptions), facts, walks, names]
+
+
+def _names(claim: Claim) -> list[list[str]]:
+    sides = (of_statement(fact.statement) for fact in claim.facts)
+    return [sorted({s.name for side in found for s in side.free_symbols}) for found in sides]
 
 
 def _found(fact: Fact) -> list[Any]:

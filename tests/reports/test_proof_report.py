@@ -105,6 +105,7 @@ def test_energies_are_followed_line_by_line(documents):
             "<i>φ</i><sub>⊥</sub><sup>⊤</sup> <i>e</i><sub>z</sub>′ &amp; a",
             r"$\phi_{\perp}^{\top}$ $e_{z}^{\prime}$ \& a",
         ),
+        ("sum_j a_ij, m/s^2", "<i>∑</i><sub>j</sub> <i>a</i><sub>ij</sub>, m/s²", r"$\sum_{j}$ $a_{ij}$, m/s$^{2}$"),
         ("K of (b), 2 m/s", "<i>K</i> of (b), 2 m/s", "$K$ of (b), 2 m/s"),
         ('"so W rises"', "&quot;so <i>W</i> rises&quot;", "``so $W$ rises''"),
         ("a robot's <b>", "a robot&#x27;s &lt;b&gt;", r"a robot's \textless{}b\textgreater{}"),

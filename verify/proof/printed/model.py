@@ -136,7 +136,8 @@ def scales() -> list[Claim]:
     scaled = generic()
     per_vehicle = [s for n in scaled.vehicles for s in (n.s, n.o)]
     unit = replace(scaled, units=tuple((s, sp.S.One) for s in (scaled.length, scaled.angle, *per_vehicle)))
-    stated = {name: U.fold(U.definitions[name]) for name in (VI.v_dot, VI.w_dot)}
+    stated = {getattr(VI, name): errors[0] for name, errors in U.errors.items()}
+    stated |= {name: U.fold(U.definitions[name]) for name in (VI.v_dot, VI.w_dot)}
     at_unit = tuple(identity(name, rate, unit) for name, rate in stated.items())
     return [Claim("unit-scales", Kind.REMARK, at_unit), Claim("other-units", Kind.REMARK, _other_units())]
 
