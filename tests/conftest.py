@@ -33,8 +33,6 @@ TOOLS = {
     "chromium": (["chromium", "chromium-browser", "google-chrome"], "apt-get install chromium"),
     "coqc": (["coqc"], "apt-get install coq libcoq-coquelicot libcoq-interval"),
     "playwright": (["playwright.sync_api"], "pip install '.[browser]'"),
-    "mkdocs": (["mkdocs"], "pip install '.[docs]'"),
-    "mkdocstrings": (["mkdocstrings"], "pip install '.[docs]'"),
     "yaml": (["yaml"], "pip install '.[test]'"),
     "z3": (["z3"], "pip install '.[test]'"),
     "xacro": (["xacro"], "pip install '.[robots]'"),

@@ -1,4 +1,4 @@
-"""The documentation: its code runs, its links lead somewhere, and it builds without a warning."""
+"""The documentation: its code runs and its links lead somewhere; `make docs` builds it and stops at a warning."""
 
 import os
 import re
@@ -117,20 +117,6 @@ def test_every_verb_and_output_file_is_documented():
         assert re.search(rf"gaincert {verb}\b", text), verb
     for name in ("design.json", "gains.csv", "summary.json", "validation.json", "trajectory.npz", "fleet_copy.toml"):
         assert name in text
-
-
-@pytest.mark.slow
-@pytest.mark.needs("mkdocs", "mkdocstrings")
-def test_it_builds_without_a_warning(tmp_path):
-    (tmp_path / "types").mkdir()
-    (tmp_path / "types" / "gaincert").symlink_to(ROOT)
-    configuration = (ROOT / "mkdocs.yml").read_text().replace("build/types", str(tmp_path / "types"))
-    configuration = configuration.replace("docs_dir: docs", f"docs_dir: {ROOT / 'docs'}")
-    (tmp_path / "mkdocs.yml").write_text(configuration)
-    command = [sys.executable, "-m", "mkdocs", "build", "--strict", "-q", "-d", str(tmp_path / "site")]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    assert 'id="gaincert.synthesis.design.design"' in (tmp_path / "site" / "api.html").read_text()
 
 
 @pytest.mark.slow
