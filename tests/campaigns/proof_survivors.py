@@ -15,6 +15,15 @@ ONE_EDGE = "there is one edge: its first is its last"
 WORK = "a bound of the work, not of the truth: any near it serves"
 # What else: (file, function, what stood there, what stands there now) -> reason.
 _ARGUED = {
+    ("lemmas/bounds.py", "_place_rates", "('il', i)", "('ilX', i)"): INNER,
+    ("lemmas/theorem.py", "cross_track_rate", "fleet[0]", "fleet[1]"): "the identity is that of any vehicle",
+    ("method/ball.py", "arb_ops", "s.cosh", "o.cosh"): "no energy is evaluated in balls",
+    (
+        "printed/boundedness.py",
+        "after_20_b",
+        "ordered(0, '<=', sech2(1 + s), (tanh_below_1(1 + s),))",
+        "ordered(-1, '<=', sech2(1 + s), (tanh_below_1(1 + s),))",
+    ): WEAKER,
     ("lemmas/bounds.py", "l6", "normal_form(rate.right + damping)", "rate.right + damping"): SHOWN,
     ("lemmas/windows.py", "l11", "fleet[0].o", "fleet[0].s"): "one positive scale is as good as another",
     (

@@ -171,7 +171,7 @@ def test_scales_are_certified() -> None:
     assert (again.position, again.heading) == (scale.position, scale.heading)
     assert list(again.turn_rate) == list(scale.turn_rate)
     broken = replace(scale, heading=Fraction(0))
-    with pytest.raises(InputError, match="gains: heading_scale of vehicle 'v1' = 0 must be > 0"):
+    with pytest.raises(InputError, match="gains: vehicle 'v1': heading scale = 0 must be > 0"):
         certify(case.fleet, case.psi, replace(case.gains, saturation=broken), "corrected")
 
 
