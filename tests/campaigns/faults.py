@@ -184,7 +184,13 @@ class Bench:
 def start(command: list[str]) -> subprocess.Popen[str]:
     """A command in a session of its own, so that a signal to its group does not reach us."""
     return subprocess.Popen(
-        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True, cwd=ROOT
+        command,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # jobs in the background ignore it
+        cwd=ROOT,
     )
 
 

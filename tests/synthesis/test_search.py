@@ -112,10 +112,15 @@ def test_an_interrupted_search_writes_the_best_so_far(tmp_path: Path) -> None:
         stdout=subprocess.PIPE,
         text=True,
         start_new_session=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # jobs in the background ignore it
     ) as running:
         time.sleep(20)
         os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to every process
-        out, err = running.communicate(timeout=120)
+        try:
+            out, err = running.communicate(timeout=120)
+        finally:
+            if running.poll() is None:
+                os.killpg(running.pid, signal.SIGKILL)
     assert running.returncode == 0, err
     assert "interrupted; the best so far is kept" in err
     assert "Traceback" not in err
