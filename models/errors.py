@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import difflib
 import errno
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any
+
+NAMED = 3  # vehicles that a message about several names
 
 
 class GaincertError(Exception):
@@ -67,6 +69,12 @@ def did_you_mean(word: Any, known: Iterable[str]) -> str:
     """A similar known word, in brackets; empty without one."""
     close = difflib.get_close_matches(str(word), list(known)[:2000], 1)
     return f" (did you mean {close[0]!r}?)" if close else ""
+
+
+def some_vehicles(quoted: Sequence[str]) -> str:
+    """Several vehicles for a message: the first names, in quotes already, and how many more there are."""
+    more = f" and {len(quoted) - NAMED} more" if len(quoted) > NAMED else ""
+    return f"vehicles {', '.join(quoted[:NAMED])}{more}"
 
 
 def shown(value: Any) -> str:

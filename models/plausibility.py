@@ -10,6 +10,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
+from .errors import some_vehicles
 from .fleet import Fleet
 from .fleet_tables import Leader, Pose, Vehicle
 from .numbers import low, nominal
@@ -21,7 +22,6 @@ FIERCE = 90.0  # m/s^2 under full torque; tyres hold about 10
 NARROW, BROAD = 0.5, 5.0  # radius of gyration over half track
 SPINNING = 20.0  # rad/s, limit of a turn rate
 FAST, ROLLING = 30.0, 15.0  # m/s: limit of a speed, and of the rim of a wheel
-NAMED = 3  # vehicles that a line names
 
 
 class Slip(NamedTuple):
@@ -65,14 +65,8 @@ def _line(entries: Sequence[tuple[str, str]], count: int) -> str:
     if len(entries) == 1:
         return f"vehicle {name!r}: {text}"
     same = all(other == text for _, other in entries)
-    who = "every vehicle" if len(entries) == count else some([name for name, _ in entries])
+    who = "every vehicle" if len(entries) == count else some_vehicles([repr(name) for name, _ in entries])
     return f"{who}: {text}" if same else f"{who}: {text} (these are the numbers of {name!r})"
-
-
-def some(names: Sequence[str]) -> str:
-    """The first names, and how many more there are."""
-    shown = ", ".join(map(repr, names[:NAMED]))
-    return f"vehicles {shown}" + (f" and {len(names) - NAMED} more" if len(names) > NAMED else "")
 
 
 def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
@@ -182,7 +176,7 @@ def _on_one_place(fleet: Fleet) -> Iterator[str]:
                 places[vehicle.start.position].append(vehicle.name)
         for names in places.values():
             if len(names) > 1:
-                yield f"{some(names)} have the same {what}: {follows}; give each its own"
+                yield f"{some_vehicles([*map(repr, names)])} have the same {what}: {follows}; give each its own"
 
 
 def _kg(vehicle: Vehicle) -> str:

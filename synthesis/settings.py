@@ -25,7 +25,7 @@ class Settings:
     ranking_starts: int = 100  # far ones of the ranking in the end
     ranking_work: float = 1e9  # evaluations after which the ranking does not wait for more starts to settle
     explored_starts: int = 6  # far ones per random candidate of the exploration
-    learned_starts: int = 8  # far ones of a generation
+    learned_starts: int = 8  # far ones of a generation; tuned on the paper's fleet under (15) and (16), seeds 0 to 4
     near_share: float = 1 / 3  # near starts per far start
     near_errors: float = 1.0  # the largest error of a near start, in tolerances
     near_tolerance: float = 0.5  # of the tolerance, into which near starts have to settle: no error may freeze there
@@ -39,7 +39,7 @@ class Settings:
     exploration_share: float = 0.25  # of the work, after which it ends
     first_horizon: float = 64.0  # tau, and the way at top speed; doubled until enough candidates settle
     longest_horizon: float = 2.0**14  # the same
-    basins: int = 2  # of the best explored points, from which runs of CMA-ES begin
+    basins: int = 2  # of the best explored points, from which runs of CMA-ES begin; tuned as learned_starts
     basin_distance: float = 0.5  # largest difference, in logarithms, below which two beginnings count as one
 
     # CMA-ES over the scalars; the worse half of the runs ends after each round.
@@ -88,6 +88,10 @@ class Settings:
     ipopt_seconds: float = 120.0  # s of wall clock from one start: a busy machine takes some seconds
     ipopt_iterations: int = 120  # from one start: longer runs find no optimum or one that other starts find
     clarabel_seconds: float = 20.0  # s of wall clock for one program
+
+    def near_count(self, far: int) -> int:
+        """How many near starts go with so many far ones: an even number, so that halves are fair."""
+        return 2 * max(1, round(self.near_share * far / 2))
 
 
 FAST = Settings()

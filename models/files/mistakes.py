@@ -7,10 +7,8 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any
 
-from ..errors import did_you_mean, shown
+from ..errors import did_you_mean, shown, some_vehicles
 from ..fleet import Fleet
-
-NAMED = 3  # vehicles that a line about several names
 
 
 def explain(item: Any, content: dict[str, Any]) -> list[str]:
@@ -100,5 +98,4 @@ def _said(text: str, names: list[str], vehicles: int) -> str:
         return f"vehicle {names[0]}: {text}"
     if len(names) == vehicles:
         return f"every vehicle: {text}"
-    more = f" and {len(names) - NAMED} more" if len(names) > NAMED else ""
-    return f"vehicles {', '.join(names[:NAMED])}{more}: {text}"
+    return f"{some_vehicles(names)}: {text}"

@@ -5,15 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from ...verify.validation.margins import NAMES
 from ..results import MarginResult
 from .style import COLOURS, STYLE, save
-
-NAMES = {
-    "sample_time": "sample time",
-    "delay": "delay",
-    "coulomb": "friction at every wheel",
-    "noise_position": "noise of positions",
-}
 
 
 def write_margins(margins: Mapping[str, MarginResult], folder: Path, origin: str = "") -> list[Path]:

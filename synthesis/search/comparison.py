@@ -29,7 +29,7 @@ class Comparison:
         self._training = task.far_starts(Draw.TRAINING, settings.training_starts)
         self._training_near = task.near_starts(Draw.TRAINING, settings.training_starts)
         heldout = task.far_starts(Draw.COMPARISON, settings.heldout_starts)
-        near = task.near_starts(Draw.COMPARISON, self._near(heldout.shape[-1]))
+        near = task.near_starts(Draw.COMPARISON, settings.near_count(heldout.shape[-1]))
         self._heldout = StartSet.both(heldout, near)
         self._next = 0  # of the training starts
         way = task.half_width / float(np.min(task.data.speed))
@@ -61,13 +61,9 @@ class Comparison:
         """The next training starts, far and near; the same `again`."""
         far, near = self._training, self._training_near
         chosen = [(self._next + k) % far.shape[-1] for k in range(min(count, far.shape[-1]))]
-        chosen_near = [(self._next + k) % near.shape[-1] for k in range(self._near(count))]
+        chosen_near = [(self._next + k) % near.shape[-1] for k in range(self.settings.near_count(count))]
         self._next += 0 if again else count
         return StartSet.halves(far[..., chosen], near[..., chosen_near])
-
-    def _near(self, far: int) -> int:
-        """How many near starts go with so many far ones: an even number, so that halves are fair."""
-        return 2 * max(1, round(self.settings.near_share * far / 2))
 
     def _costs(self, proposals: Sequence[Proposal], starts: StartSet, horizon: float) -> Array:
         if not proposals:

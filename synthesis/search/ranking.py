@@ -38,7 +38,7 @@ def best_of(task: Task, proposals: Sequence[Proposal], executor: Executor | None
     """The best of some proposals, rounded. Raises UndecidedError where rounding leaves none of them."""
     candidates = rounded(task, proposals)
     far = task.far_starts(Draw.RANKING, task.settings.ranking_starts)
-    near = task.near_starts(Draw.RANKING, 2 * max(1, round(task.settings.near_share * far.shape[-1] / 2)))
+    near = task.near_starts(Draw.RANKING, task.settings.near_count(far.shape[-1]))
     starts = StartSet.both(far, near)
     progress("ranking candidates by simulation", 0.0)
     horizon, costs, time = _settled(task, candidates, starts, executor)

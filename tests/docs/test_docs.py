@@ -88,6 +88,17 @@ def test_c_blocks_are_what_the_header_declares(page):
         assert " ".join(text.split()) in " ".join(header.split())
 
 
+def test_the_acceleration_limits_of_the_physics_page_follow_from_its_fleet():
+    """a > 2 sqrt2 (2 c / r) / m and a_omega > (2 + 2 sqrt2) (2 c R / r) / I, with effective values."""
+    fleet = load(ROOT / "examples" / "three_robots.toml")
+    plant, (waffle, kobuki) = fleet.plant(), (fleet.names.index(name) for name in ("waffle", "kobuki"))
+    force = 2 * float(fleet.disturbance.coulomb) / plant.r
+    ahead, turning = 2 * 2**0.5 * force / plant.m, (2 + 2 * 2**0.5) * force * abs(plant.arm) / plant.inertia
+    text = " ".join((ROOT / "docs" / "physics.md").read_text().split())
+    assert f"{ahead[waffle]:.1f} m/s^2 and {turning[waffle]:.0f} rad/s^2 for the Waffle" in text
+    assert f"{ahead[kobuki]:.1f} m/s^2 and {turning[kobuki]:.0f} rad/s^2 for the Kobuki" in text
+
+
 @pytest.mark.parametrize("page", [pytest.param(page, id=page.name) for page in PAGES])
 def test_links_lead_somewhere(page):
     for target, _ in LINK.findall(page.read_text()):

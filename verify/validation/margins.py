@@ -14,6 +14,13 @@ from ..simulation.sampled_loop import SampledLoop
 
 HALVINGS = 8  # of every search: the answer is within 3 % of a range of three decades
 
+NAMES = {  # of the kinds that are searched, for a reader
+    "sample_time": "sample time",
+    "delay": "delay",
+    "coulomb": "friction at every wheel",
+    "noise_position": "noise of positions",
+}
+
 Progress = Callable[[str, float], None]
 
 
@@ -21,10 +28,14 @@ class Search(NamedTuple):
     """One kind of disturbance, and the values that are tried."""
 
     kind: str  # an entry of the [disturbance] table
-    name: str
     unit: str
     low: float
     high: float
+
+    @property
+    def name(self) -> str:
+        """The kind for a reader."""
+        return NAMES[self.kind]
 
 
 @dataclass(frozen=True)
@@ -68,10 +79,10 @@ def searches_for(sampled: SampledLoop) -> list[Search]:
     motor = float(min(sampled.loop.torque_left.min(), sampled.loop.torque_right.min()))
     position = sampled.tolerance.position
     return [
-        Search("sample_time", "sample time", "s", 2e-3, 2.0),
-        Search("delay", "delay", "s", sampled.disturbance.sample_time, 1000 * sampled.disturbance.sample_time),
-        Search("coulomb", "friction at every wheel", "N m", 1e-3 * motor, motor),
-        Search("noise_position", "noise of positions", "m", 1e-2 * position, 10 * position),
+        Search("sample_time", "s", 2e-3, 2.0),
+        Search("delay", "s", sampled.disturbance.sample_time, 1000 * sampled.disturbance.sample_time),
+        Search("coulomb", "N m", 1e-3 * motor, motor),
+        Search("noise_position", "m", 1e-2 * position, 10 * position),
     ]
 
 
