@@ -218,6 +218,14 @@ def test_every_other_near_start_is_that_of_the_slowest_shape() -> None:
     assert np.median(spread[1::2]) > 3
 
 
+def test_near_starts_are_an_even_third_of_the_far_ones() -> None:
+    """Even, so that the ideal and the real robot begin from as many; at least one each."""
+    for far in range(1, 60):
+        count = FAST.near_count(far)
+        assert count % 2 == 0
+        assert count == 2 or abs(count - FAST.near_share * far) <= 1
+
+
 def test_near_starts_have_to_settle_within_a_part_of_the_tolerance() -> None:
     """An error that stays for good inside the tolerance, but outside that part, has not settled from a near start."""
     task = task_of()
