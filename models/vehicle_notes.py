@@ -54,6 +54,6 @@ def heading_hint(vehicle: Vehicle, leader: Leader) -> str | None:
         return None
     nearer = math.degrees(vehicle.start.theta - math.copysign(turns * math.tau, error))
     return (
-        f"vehicle {vehicle.name!r} starts {abs(error) / math.tau:.3g} turns from the leader's heading and will turn "
-        f"back by them; heading_deg = {nearer:.10g} is the same pose and nearer"
+        f"vehicle {vehicle.name!r} starts {math.degrees(abs(error)):.4g} degrees from the leader's heading and will "
+        f"turn back by all of them; heading_deg = {nearer:.10g} is the same pose and nearer"
     )

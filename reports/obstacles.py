@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING, NamedTuple
 
 from ..models.fleet import Fleet
+from ..models.numbers import nominal
 from ..models.tolerance import Tolerance
 from .tables.demands_table import DemandRow, coulomb, motor_torque
 
@@ -96,6 +97,22 @@ def _collisions(fleet: Fleet, room: Room) -> list[Obstacle]:
     pair = f"{room.names[nearest.first]!r} and {room.names[nearest.second]!r}"
     what = f"{pair} come within {nearest.distance:.3g} m at {nearest.time:.4g} s and need {needed:g} m: they collide"
     return [Obstacle(what, "change their starts or offsets; the controller does not avoid collisions")]
+
+
+def footprint_hints(fleet: Fleet, summary: Summary) -> list[str]:
+    """Robots that come nearer than their half tracks, where no footprint says whether they collide."""
+    if summary.room is None or math.isinf(summary.room.nearest.distance):
+        return []
+    nearest = summary.room.nearest
+    pair = [fleet.vehicles[i] for i in (nearest.first, nearest.second)]
+    width = float(sum(nominal(vehicle.half_track) for vehicle in pair))
+    if nearest.distance >= width or all(vehicle.footprint is not None for vehicle in pair):
+        return []
+    names = " and ".join(repr(vehicle.name) for vehicle in pair)
+    return [
+        f"{names} come within {nearest.distance:.3g} m of each other, and their half tracks add up to {width:g} m: "
+        "robots that large collide. Give each vehicle its footprint (a radius, m) to have this judged"
+    ]
 
 
 def _some(names: list[str]) -> str:

@@ -51,6 +51,7 @@ def simulate_schemes(
     printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation, folder: Path
 ) -> Simulated:
     """Simulate the schemes, write all files and print the results."""
+    from ..reports.obstacles import footprint_hints
     from ..verify.simulation.simulate import summarize
 
     scheme, disturbance = simulation.schemes[0], simulation.disturbance
@@ -70,7 +71,11 @@ def simulate_schemes(
         printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}", motion(summary))
     result = Simulated(summary, _document(fleet, gains, summary, scheme))
     _write(fleet, stored, drawn, result.document, folder)
-    printer.say(*(f"FALSE: {claim}" for claim in result.false_claims), f"figures: {folder / 'figures'}")
+    printer.say(
+        *footprint_hints(fleet, summary),
+        *(f"FALSE: {claim}" for claim in result.false_claims),
+        f"figures: {folder / 'figures'}",
+    )
     return result
 
 

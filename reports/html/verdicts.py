@@ -106,16 +106,18 @@ def many_starts_verdict(result: ManyStartsResult | None) -> list[Verdict]:
     within = all(runs.peak_torque_ratio <= 1 for runs in result.disturbed)
     if result.disturbed:
         text += f"; with disturbances: {worst} of {count} at the worst"
-    facts += [
-        f"largest {kind} with which all settle: {_margin_text(margin)}" for kind, margin in result.margins.items()
-    ]
+    facts += [_margin_fact(kind, margin) for kind, margin in result.margins.items()]
     good = result.settled == count == worst and within
     return [Verdict(good, "Many starts", text, tuple(facts), "each disturbance")]
 
 
-def _margin_text(margin: MarginResult) -> str:
+def _margin_fact(kind: str, margin: MarginResult) -> str:
+    from ...verify.validation.margins import NAMES
+
     largest = "none that was tried" if margin.largest is None else f"{margin.largest:.3g} {margin.unit}"
-    return f"{largest} (in the fleet file {margin.present:.3g} {margin.unit})"
+    return (
+        f"largest {NAMES[kind]} with which all settle: {largest} (in the fleet file {margin.present:.3g} {margin.unit})"
+    )
 
 
 def _spread_text(spread: SpreadResult) -> str:

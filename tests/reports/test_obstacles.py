@@ -13,6 +13,7 @@ from gaincert.models.arrays import floats
 from gaincert.models.equations import State, control
 from gaincert.models.files.fleet_file import parse
 from gaincert.models.files.fleet_text import dumps
+from gaincert.models.numbers import nominal
 from gaincert.models.paper import paper_excitation, paper_fleet, paper_gains
 from gaincert.models.saturation import Saturation
 from gaincert.models.tolerance import Tolerance
@@ -161,6 +162,22 @@ def test_robots_that_collide_are_named_where_their_size_is_known():
     assert obstacles.of_run(fleet_with(footprint="0.2"), summary) == []
     (found,) = obstacles.of_run(fleet_with(footprint="0.4"), summary)
     assert found.what == "'v1' and 'v2' come within 0.5 m at 1 s and need 0.8 m: they collide"
+
+
+def test_without_footprints_robots_nearer_than_their_half_tracks_get_a_hint():
+    x = np.array([[0.0, 5, 9, 13, 17, 21], [0.0, 0.05, 9, 13, 17, 21]])
+    summary = replace(SUMMARY, room=Room.of(run_of(x, np.zeros_like(x)), paper_fleet().names))
+    (hint,) = obstacles.footprint_hints(fleet_with(), summary)
+    width = sum(float(nominal(vehicle.half_track)) for vehicle in paper_fleet().vehicles[:2])
+    assert width > 0.05
+    assert hint.startswith(
+        f"'v1' and 'v2' come within 0.05 m of each other, and their half tracks add up to {width:g} m"
+    )
+    assert obstacles.footprint_hints(fleet_with(footprint="0.4"), summary) == []
+    x[1, 1] = width + 0.01
+    apart = replace(SUMMARY, room=Room.of(run_of(x, np.zeros_like(x)), paper_fleet().names))
+    assert obstacles.footprint_hints(fleet_with(), apart) == []
+    assert obstacles.footprint_hints(fleet_with(), SUMMARY) == []
 
 
 def test_a_disturbed_run_that_stands_still_is_useless_and_one_that_closes_in_is_not():

@@ -97,7 +97,7 @@ def test_check_prints_robots_warnings_and_notes(path, tmp_path):
     assert (
         "note: the centre of mass is off the middle of the axle: 'a' 9.71 cm behind (24 % of the track)" in done.stdout
     )
-    assert "note: vehicle 'b' starts 1.5 turns from the leader's heading" in done.stdout
+    assert "note: vehicle 'b' starts 540 degrees from the leader's heading" in done.stdout
     document = json.loads(gaincert("check", path, "--json", "-q").stdout)
     assert [group["vehicles"] for group in document["robots"]] == [["a", "b"], ["c"]]
     assert document["robots"][0]["numbers"][0] == {
