@@ -153,6 +153,7 @@ def simulate(
     sample_time: cli.SampleTime = None,
     delay: cli.Delay = None,
     noise: cli.Noise = None,
+    noise_speed: cli.NoiseSpeed = None,
     mismatch: cli.Mismatch = None,
     friction: cli.Friction = None,
     lost_link: cli.LostLink = None,
@@ -164,7 +165,8 @@ def simulate(
     """Simulate the fleet from its own start and draw figures."""
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
-    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(fleet, seed)
+    disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
+    real = disturbed.of(fleet, seed)
     simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, real)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     return Outcome.of(simulated.document, true=not simulated.false_claims)
@@ -189,6 +191,7 @@ def validate(
     sample_time: cli.SampleTime = None,
     delay: cli.Delay = None,
     noise: cli.Noise = None,
+    noise_speed: cli.NoiseSpeed = None,
     mismatch: cli.Mismatch = None,
     friction: cli.Friction = None,
     lost_link: cli.LostLink = None,
@@ -203,7 +206,8 @@ def validate(
     count = starts if replay is None else max(starts, replay + 1)
     drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
-    real = DisturbanceOptions(sample_time, delay, noise, mismatch, friction, lost_link, com_offset).of(fleet, seed)
+    disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
+    real = disturbed.of(fleet, seed)
     if plant is cli.Plant.mujoco:
         refuse_with_mujoco(
             ("--replay", replay is not None),

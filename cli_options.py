@@ -244,6 +244,10 @@ Noise = Annotated[
     tuple[float, float] | None,
     typer.Option(metavar="M RAD", help="standard deviation of measured positions and headings: m, rad"),
 ]
+NoiseSpeed = Annotated[
+    float | None,
+    typer.Option(metavar="V", help="standard deviation of measured speeds (m/s) and turn rates (rad/s)"),
+]
 Mismatch = Annotated[float | None, typer.Option(help="relative error of mass, inertia, wheel radius and track")]
 Friction = Annotated[
     tuple[float, float] | None,

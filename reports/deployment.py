@@ -9,7 +9,7 @@ from pathlib import Path
 from .. import __version__
 from ..models.arrays import Array
 from ..models.conditions import exact_numbers, torque_bound
-from ..models.digests import Digests, gains_digest
+from ..models.digests import Digests, controller_digest
 from ..models.errors import InputError
 from ..models.excitation import Excitation
 from ..models.files.fleet_file import load_fleet
@@ -44,7 +44,7 @@ class Deployment:
     @cached_property
     def digests(self) -> Digests:
         """The digests for every file made from it."""
-        return Digests(self.fleet_digest, gains_digest(self.fleet, self.excitation, self.gains))
+        return Digests(self.fleet_digest, controller_digest(self.fleet, self.excitation, self.gains))
 
     @cached_property
     def evidence(self) -> dict[str, str]:

@@ -35,13 +35,13 @@ class ResultFile(Part):
     """The digests and versions in every file."""
 
     fleet_digest: str = ""
-    gains_digest: str = ""
+    controller_digest: str = ""
     versions: dict[str, str] = {}
 
     @property
     def digests(self) -> Digests:
         """The digests of the fleet and gains that the file belongs to."""
-        return Digests(self.fleet_digest, self.gains_digest)
+        return Digests(self.fleet_digest, self.controller_digest)
 
 
 class Predicted(Part):
@@ -229,7 +229,7 @@ def _digests_of(path: Path) -> Digests:
     if path.name == "certificate.json" and isinstance(content, dict):
         # The kernel computes the fleet's digest. It does not read the digest of the gains.
         provenance = content.get("provenance")
-        gains = provenance.get("gains_digest") if isinstance(provenance, dict) else None
+        gains = provenance.get("controller_digest") if isinstance(provenance, dict) else None
         content = dict(zip(KEYS, (digest_of(content.get("fleet")), gains), strict=True))
     return Digests.of_json(content if isinstance(content, dict) else {})
 

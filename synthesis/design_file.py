@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 from fractions import Fraction
 from typing import Any
 
-from ..models.digests import gains_digest
+from ..models.digests import controller_digest
 from ..models.gains import GAIN_NAMES
 from ..models.numbers import decimal_text
 from ..models.saturation import Saturation
@@ -42,7 +42,7 @@ class DesignFile:
 
     fleet: str
     fleet_digest: str
-    gains_digest: str
+    controller_digest: str
     conditions: str
     theorem: str
     excitation: dict[str, Any]  # the [excitation] table of a fleet file
@@ -78,7 +78,7 @@ class DesignFile:
         return cls(
             fleet=design.fleet.name,
             fleet_digest=design.fleet.digest,
-            gains_digest=gains_digest(design.used_fleet, design.excitation, design.gains),
+            controller_digest=controller_digest(design.used_fleet, design.excitation, design.gains),
             conditions=design.conditions.name,
             theorem=design.conditions.theorem,
             excitation=design.excitation.table(),

@@ -120,6 +120,7 @@ class DisturbanceOptions:
     sample_time: float | None = None  # s
     delay: float | None = None  # s
     noise: tuple[float, float] | None = None  # m, rad
+    noise_speed: float | None = None  # m/s and rad/s
     mismatch: float | None = None
     friction: tuple[float, float] | None = None  # N m, N m s
     lost_link: tuple[str, str, float] | None = None  # vehicle, vehicle, s
@@ -137,7 +138,8 @@ class DisturbanceOptions:
         return checked(replace(of_table(fleet.disturbance, seed), **given), fleet)
 
     def _given(self) -> dict[str, Any]:
-        single = {"sample_time": self.sample_time, "delay": self.delay, "mismatch": self.mismatch}
+        names = ("sample_time", "delay", "noise_speed", "mismatch")
+        single = {name: getattr(self, name) for name in names}
         given: dict[str, Any] = {name: value for name, value in single.items() if value is not None}
         if self.noise:
             given |= {"noise_position": self.noise[0], "noise_heading": self.noise[1]}

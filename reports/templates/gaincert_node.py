@@ -50,19 +50,20 @@ except ImportError:  # the pure part is used without ROS
 class Library:
     """The generated C controller, loaded as a shared library."""
 
-    def __init__(self, path: Path, gains_digest: str, size: int, leader: list[float] | None = None) -> None:
+    def __init__(self, path: Path, controller_digest: str, size: int, leader: list[float] | None = None) -> None:
         """Load it for a leader at this pose (m, m, rad); None takes the pose that is compiled in.
 
         Raises ValueError if it was generated from other gains than the parameters.
         """
         self._c = ctypes.CDLL(str(path.resolve()))
-        self._c.gaincert_gains_digest.restype = ctypes.c_char_p
+        self._c.gaincert_controller_digest.restype = ctypes.c_char_p
         for name in ("gaincert_torque_bound", "gaincert_torque_limit"):
             getattr(self._c, name).restype = ctypes.c_double
-        built = self._c.gaincert_gains_digest().decode()
-        if built != gains_digest:
+        built = self._c.gaincert_controller_digest().decode()
+        if built != controller_digest:
             raise ValueError(
-                f"{path}: was built for gains {built}, the parameters for {gains_digest}; export both again"
+                f"{path}: was built for the controller {built}, the parameters for {controller_digest}; "
+                "export both again"
             )
         self.size = size  # vehicles in the fleet
         self._leader = None if leader is None else (ctypes.c_double * 3)(*leader)
@@ -198,7 +199,7 @@ class GaincertNode(Node):  # type: ignore[misc]
         size = self._parameter("fleet_size")
         self.max_age = self._parameter("max_age", 0.1)  # s
         path = Path(self._parameter("library", "libgaincert_controller.so"))
-        self.library = Library(path, self._parameter("gains_digest"), size, self._parameter("leader_pose"))
+        self.library = Library(path, self._parameter("controller_digest"), size, self._parameter("leader_pose"))
         self.state = FleetState(size)
         self.start = self._parameter("start_time", 0.0)  # s, ROS time; the same for all nodes
         self.velocity = self._parameter("interface", "effort") == "velocity"

@@ -83,8 +83,8 @@ def test_gains_csv_and_design_json_agree_and_can_be_read_back(out: Path) -> None
         assert done.returncode == 0, done.stderr
         runs.append(json.loads(done.stdout))
     assert runs[0]["final_position_error_m"] == runs[1]["final_position_error_m"]
-    assert runs[0]["gains_digest"] == runs[1]["gains_digest"]
-    assert runs[0]["gains_digest"] in (out / "gains.psi.toml").read_text()
+    assert runs[0]["controller_digest"] == runs[1]["controller_digest"]
+    assert runs[0]["controller_digest"] in (out / "gains.psi.toml").read_text()
 
 
 def test_the_certificate_verifies_and_belongs_to_its_fleet(out: Path) -> None:

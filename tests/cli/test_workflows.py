@@ -86,9 +86,9 @@ def test_every_file_of_a_run_carries_the_digests_of_fleet_and_gains(designed: tu
     expected = current_digests(folder / "out")
     for name in ("design", "summary", "validation"):
         content = json.loads((folder / "out" / f"{name}.json").read_text())
-        assert (content["fleet_digest"], content["gains_digest"]) == expected
+        assert (content["fleet_digest"], content["controller_digest"]) == expected
     for path in (folder / "out" / "figures").iterdir():
-        assert expected.gains.encode() in path.read_bytes(), path
+        assert expected.controller.encode() in path.read_bytes(), path
     assert stale_files(folder / "out", expected) == []
 
 
@@ -99,7 +99,7 @@ def test_a_design_into_a_folder_with_older_runs_says_so(
     out = tmp_path / "out"
     out.mkdir()
     for name in ("summary", "validation"):
-        (out / f"{name}.json").write_text(json.dumps({"fleet_digest": "sha256:a", "gains_digest": "sha256:b"}))
+        (out / f"{name}.json").write_text(json.dumps({"fleet_digest": "sha256:a", "controller_digest": "sha256:b"}))
     printer = Printer(False, False, False)
     with contextlib.redirect_stdout(io.StringIO()) as printed:
         design_fleet(
@@ -217,6 +217,8 @@ def test_simulate_takes_the_disturbance_options_of_validate(tmp_path: Path) -> N
         "--noise",
         0.005,
         0.01,
+        "--noise-speed",
+        0.02,
         "--mismatch",
         0.1,
         "--friction",
@@ -231,6 +233,7 @@ def test_simulate_takes_the_disturbance_options_of_validate(tmp_path: Path) -> N
         "delay": 0.04,
         "noise_position": 0.005,
         "noise_heading": 0.01,
+        "noise_speed": 0.02,
         "mismatch": 0.1,
         "coulomb": 0.2,
         "viscous": 0.01,
@@ -238,10 +241,11 @@ def test_simulate_takes_the_disturbance_options_of_validate(tmp_path: Path) -> N
         "lost_at": 1.0,
         "seed": 3,
     }
-    words = "torques held for 20 ms, 40 ms of delay, noise of 0.005 m, 0.01 rad, parameters off by up to 10 %, "
-    assert (
-        f"with the disturbance ({words}friction of 0.2 N m, 0.01 N m s at every wheel, the link v1 - v2" in done.stdout
+    words = (
+        "with the disturbance (torques held for 20 ms, 40 ms of delay, noise of 0.005 m, 0.01 rad, 0.02 m/s and rad/s, "
+        "parameters off by up to 10 %, friction of 0.2 N m, 0.01 N m s at every wheel, the link v1 - v2"
     )
+    assert words in done.stdout
 
 
 @pytest.mark.parametrize(

@@ -231,7 +231,7 @@ def test_csv_has_its_origin_and_no_formula(tmp_path):
         rows = list(csv.DictReader(file))
     assert [row["vehicle"] for row in rows] == [no_formula(name) for name in HOSTILE]
     assert rows[4]["vehicle"] == "'=1+1"
-    assert {row["gains_digest"] for row in rows} == {deployed.digests.gains}
+    assert {row["controller_digest"] for row in rows} == {deployed.digests.controller}
     assert rows[0]["p_v"] == "56"
 
 
@@ -327,7 +327,7 @@ def test_ros2_parameters_load_with_the_types_that_ros_wants():
     assert first["wheel_separation"] == 0.6
     assert first["neighbours"] == [1, 5]
     assert first["neighbour_namespaces"] == ["v2", "v6"]
-    assert first["gains_digest"] == deployed.digests.gains
+    assert first["controller_digest"] == deployed.digests.controller
     for i, node in enumerate(content.values()):
         parameters = node["ros__parameters"]
         assert parameters["vehicle"] == i
@@ -355,7 +355,7 @@ def test_the_node_knows_the_leaders_pose_from_its_parameters(node, tmp_path, dra
     """With the compiled pose nothing changes; with another the commands are those for a leader there."""
     deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
     build(deployed, tmp_path)
-    path, digest = tmp_path / "controller.so", deployed.digests.gains
+    path, digest = tmp_path / "controller.so", deployed.digests.controller
     plant, known = paper_fleet().plant(), all_known(node, draw_state(6))
     pose = [plant.leader_x, plant.leader_y, plant.leader_theta]
     compiled, same = node.Library(path, digest, 6), node.Library(path, digest, 6, pose)
@@ -421,7 +421,7 @@ def test_the_node_commands_what_the_library_says_and_nothing_on_old_poses(node, 
     path = tmp_path / "controller.so"
     with pytest.raises(ValueError, match="export both again"):
         node.Library(path, "sha256:0", 6)
-    library = node.Library(path, deployed.digests.gains, 6)
+    library = node.Library(path, deployed.digests.controller, 6)
     assert library.neighbours(0) == [1, 5]
     assert library.torque_limit(2) == 160
     state, known = draw_state(6), node.FleetState(6)
@@ -472,7 +472,7 @@ def test_c_accelerations_are_those_of_the_closed_loop(node, fleet, psi, draw_gai
     fleet = Fleet.model_validate(content)
     deployed = deployed_of(fleet, psi, draw_gains(len(fleet)))
     build(deployed, tmp_path)
-    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, len(fleet))
+    library = node.Library(tmp_path / "controller.so", deployed.digests.controller, len(fleet))
     state = draw_state(len(fleet))
     rates = closed_loop(OPS, fleet.plant(), deployed.gains.map(floats), psi.value(OPS, 3.0), state)
     known = all_known(node, state)
@@ -487,7 +487,7 @@ def test_the_commanded_motion_is_the_closed_loop(node, tmp_path, draw_state):
     """All nodes of the paper's fleet, integrated together on bases that do what they are told: to 1e-9 over 20 s."""
     deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
     build(deployed, tmp_path)
-    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 6)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.controller, 6)
     gains, plant, start = paper_gains().map(floats), paper_fleet().plant(), np.concatenate(draw_state(6))
 
     def commanded(t, values):
@@ -515,7 +515,7 @@ def test_a_node_alone_steps_along_the_closed_loop(node, tmp_path, psi, draw_gain
     fleet = Fleet.model_validate(content)
     deployed = deployed_of(fleet, psi, draw_gains(1))
     build(deployed, tmp_path)
-    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 1)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.controller, 1)
     gains, plant, start = deployed.gains.map(floats), fleet.plant(), np.concatenate(draw_state(1))
 
     def model(t, values):
@@ -537,7 +537,7 @@ def test_a_node_alone_steps_along_the_closed_loop(node, tmp_path, psi, draw_gain
 def test_a_base_slows_down_within_its_acceleration_where_poses_are_old(node, tmp_path, draw_state):
     deployed = deployed_of(paper_fleet(), paper_excitation(), paper_gains())
     build(deployed, tmp_path)
-    library = node.Library(tmp_path / "controller.so", deployed.digests.gains, 6)
+    library = node.Library(tmp_path / "controller.so", deployed.digests.controller, 6)
     mover = node.CommandedVelocity(library, 0, 2.0, 3.0)
     mover.twist = 0.5, -0.2
     twists = [mover.advance(9.0, 0.1, 9.0, node.FleetState(6), 0.1) for _ in range(4)]

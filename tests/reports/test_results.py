@@ -42,7 +42,7 @@ def copied(folder, tmp_path):
 def of_other_gains(path):
     """Give a result the digest of other gains."""
     content = json.loads(path.read_text())
-    path.write_text(json.dumps({**content, "gains_digest": "sha256:other"}))
+    path.write_text(json.dumps({**content, "controller_digest": "sha256:other"}))
 
 
 def tiles(page):
@@ -79,7 +79,7 @@ def test_a_trajectory_of_other_gains_is_not_shown(copied):
     assert 'id="stage"' in write_report(copied).read_text()
     with np.load(copied / "trajectory.npz") as stored:
         arrays = dict(stored)
-    np.savez(copied / "trajectory.npz", **{**arrays, "gains_digest": np.array("sha256:other")})
+    np.savez(copied / "trajectory.npz", **{**arrays, "controller_digest": np.array("sha256:other")})
     page = write_report(copied).read_text()
     assert 'id="stage"' not in page
     assert "trajectory.npz is from other gains" in page
@@ -88,7 +88,7 @@ def test_a_trajectory_of_other_gains_is_not_shown(copied):
 def test_figures_of_other_gains_are_not_shown(copied):
     assert 'id="figure-paths"' in write_report(copied).read_text()
     (copied / "trajectory.npz").unlink()
-    digest = current_digests(copied).gains
+    digest = current_digests(copied).controller
     for kind in ("svg", "png"):
         path = copied / "figures" / f"paths.{kind}"
         path.write_bytes(path.read_bytes().replace(digest.encode(), b"sha256:" + b"0" * 64))
@@ -100,13 +100,13 @@ def test_figures_of_other_gains_are_not_shown(copied):
 def test_figures_are_drawn_again_for_the_run_that_belongs(copied):
     for kind in ("svg", "png"):
         path = copied / "figures" / f"paths.{kind}"
-        path.write_bytes(path.read_bytes().replace(current_digests(copied).gains.encode(), b"sha256:" + b"0" * 64))
+        path.write_bytes(path.read_bytes().replace(current_digests(copied).controller.encode(), b"sha256:" + b"0" * 64))
     assert 'id="figure-paths"' in write_report(copied).read_text()
 
 
 def test_a_file_that_says_nothing_of_its_gains_is_stale(copied):
     content = json.loads((copied / "validation.json").read_text())
-    del content["gains_digest"]
+    del content["controller_digest"]
     (copied / "validation.json").write_text(json.dumps(content))
     assert stale_files(copied, current_digests(copied)) == ["validation.json"]
 
@@ -155,7 +155,7 @@ def test_many_starts_list_every_disturbance_with_its_count():
     assert "nominal: 3 of 3 settle within 300 s" in verdict.text
     assert "with disturbances: 2 of 3 at the worst" in verdict.text
     *runs, longest, delay = verdict.facts
-    assert longest == "largest sample_time with which all settle: 0.05 s (in the fleet file 0.02 s)"
+    assert longest == "largest sample time with which all settle: 0.05 s (in the fleet file 0.02 s)"
     assert delay == "largest delay with which all settle: none that was tried (in the fleet file 0 s)"
     alone, together = (fact.split(" settle")[0] for fact in runs)
     assert alone == "torques held for 20 ms: 3 of 3"

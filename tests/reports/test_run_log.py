@@ -25,7 +25,7 @@ def run():
 
 @pytest.fixture
 def folder(run, tmp_path):
-    run.write(tmp_path / "trajectory.npz", {"fleet_digest": paper_fleet().digest, "gains_digest": "sha256:0"})
+    run.write(tmp_path / "trajectory.npz", {"fleet_digest": paper_fleet().digest, "controller_digest": "sha256:0"})
     write_fleet_copy(paper_fleet(), tmp_path)
     return tmp_path
 
@@ -43,7 +43,7 @@ def test_every_number_is_read_back(run, folder):
         for _, channel, message, content in reader.iter_decoded_messages():
             found.setdefault(channel.topic, []).append((message.log_time, content))
         (labels,) = (record.metadata for record in reader.iter_metadata())
-    assert labels == {"fleet": "paper", "fleet_digest": fleet.digest, "gains_digest": "sha256:0"}
+    assert labels == {"fleet": "paper", "fleet_digest": fleet.digest, "controller_digest": "sha256:0"}
     assert set(found) == {"/tf", *(f"/{name}/{kind}" for name in fleet.names for kind in ("pose", "twist", "wheels"))}
     left, right = wheel_speeds(fleet, run)
     for i, name in enumerate(fleet.names):

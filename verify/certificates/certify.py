@@ -8,7 +8,7 @@ from importlib.metadata import version
 from typing import Any
 
 from ...models.conditions import condition_set
-from ...models.digests import gains_digest
+from ...models.digests import controller_digest
 from ...models.errors import InputError
 from ...models.excitation import Excitation
 from ...models.fleet import Fleet
@@ -86,7 +86,7 @@ def _content(
         "rates": NO_RATES if broken else certified_rates(used, gains),
         "provenance": {
             "seed": None,
-            "gains_digest": gains_digest(used, excitation, gains),
+            "controller_digest": controller_digest(used, excitation, gains),
             "versions": _versions(),
             "notes": notes_of(used, data, gains, conditions),
         },
