@@ -12,6 +12,8 @@ from .inputs import ALL_CORES, Pool, check_folder
 from .obstacles import obstacles_of
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from ..console import Printer
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
@@ -112,17 +114,18 @@ def gains_of(design: Design) -> GainsFile:
 
 def sentences(design: Design) -> list[str]:
     """A design in a few sentences."""
-    times, psi = sorted(design.settling), design.excitation
-    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
+    psi = design.excitation
     lines = [
         f"conditions {design.conditions.name} ({', '.join(design.conditions.sources)}), found by the {design.origin}",
         f"scales: {scales_of(design)}",
         f"psi: {'designed' if design.excitation_designed else 'as given'}, |psi| <= {float(psi.bound):.6g}, "
         f"{float(psi.frequency):.4g} rad/s",
         f"settles within {design.tolerance.position:g} m and {design.tolerance.heading:g} rad "
-        f"from {len(times)} starts: median {times[len(times) // 2]:.0f} s, worst {worst}",
+        f"from {len(design.settling)} starts: {spread(design.settling)}",
+        held(design),
     ]
-    lines.append(held(design))
+    if all(map(math.isinf, design.settling)):
+        lines.append("no start settled in the time that was simulated: gaincert validate --horizon S looks further")
     return lines if design.excitation_designed else [*lines, "psi was given; --excitation designed may settle faster"]
 
 
@@ -138,11 +141,18 @@ def scales_of(design: Design) -> str:
 
 def held(design: Design) -> str:
     """What remains of a design on a robot whose torques are held between samples."""
-    times = sorted(design.settling_held)
-    worst = f"{times[-1]:.0f} s" if math.isfinite(times[-1]) else "not settled"
     largest = design.largest_sample_time
     return (
         f"as a robot with a sample time of {design.sample_time:g} s and its disturbances: "
-        f"median {times[len(times) // 2]:.0f} s, worst {worst}; all of these starts settle "
+        f"{spread(design.settling_held)}; all of these starts settle "
         + (f"with sample times up to {largest:.3g} s" if largest else "with none of the sample times tried")
     )
+
+
+def spread(settling: Sequence[float]) -> str:
+    """The median and the worst of settling times, s; inf is said in words."""
+    times = sorted(settling)
+    median, worst = (
+        f"{time:.0f} s" if math.isfinite(time) else "not settled" for time in (times[len(times) // 2], times[-1])
+    )
+    return f"median {median}, worst {worst}"

@@ -3,6 +3,7 @@
 import contextlib
 import io
 import json
+import math
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +15,7 @@ from gaincert.reports.results import current_digests, stale_files
 from gaincert.synthesis import design as design_module
 from gaincert.synthesis.settings import MODES
 from gaincert.verify import proof
-from gaincert.workflows.design import DesignOptions, design_fleet
+from gaincert.workflows.design import DesignOptions, design_fleet, spread
 from gaincert.workflows.inputs import read_fleet
 
 from tests.cli.command_line import Done, gaincert
@@ -156,6 +157,11 @@ def test_no_memory_is_a_fault_without_a_traceback(monkeypatch: pytest.MonkeyPatc
     done = gaincert("check", PAPER[0])
     assert done.returncode == 5
     assert "Traceback" not in done.stderr
+
+
+def test_settling_times_are_said_in_words() -> None:
+    assert spread([3.2, math.inf, 1.0]) == "median 3 s, worst not settled"
+    assert spread([math.inf, math.inf]) == "median not settled, worst not settled"
 
 
 def test_the_modes_are_those_of_the_search() -> None:
