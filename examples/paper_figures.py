@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 from gaincert import load_fleet, load_gains, simulate, summarize
 from gaincert.models.conditions import condition_15, condition_16, condition_16_star, exact_numbers
+from gaincert.models.errors import InputError
 from gaincert.models.files.gains_file import GainsFile
 from gaincert.models.fleet import Fleet
 from gaincert.reports.figures.run_figures import write_figures
@@ -73,18 +74,21 @@ def outcome(summary: Summary) -> str:
 def main() -> None:
     """Print and draw."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("folder", nargs="?", type=Path, default=Path("out/figures"))
-    parser.add_argument("--horizon", type=float, default=300.0, metavar="S", help="simulated time of every run")
+    parser.add_argument("folder", nargs="?", type=Path, default=Path("out/figures"), help="[out/figures]")
+    parser.add_argument("--horizon", type=float, default=200.0, metavar="S", help="simulated time of every run [200]")
     parser.add_argument("--gains", type=Path, help="other gains, to stand beside the paper's")
     options = parser.parse_args()
     fleet = load_fleet(HERE / "paper.toml")
     files = {"the paper's gains": HERE / "paper_gains.toml"} | ({"other gains": options.gains} if options.gains else {})
+    try:
+        loaded = {title: load_gains(path, fleet) for title, path in files.items()}
+    except InputError as error:
+        parser.error(str(error))
     drawn: dict[str, Trajectory] = {}
-    for title, path in files.items():
-        gains = load_gains(path, fleet)
+    for title, gains in loaded.items():
         found = reproduce(fleet.with_links(gains.links), gains, options.horizon)
         drawn |= {f"{title}, {name}": run for name, run in found.runs.items()}
-        print(f"{title} ({path.name})", *conditions_table(fleet, gains), *claims_table(found), "", sep="\n")
+        print(f"{title} ({files[title].name})", *conditions_table(fleet, gains), *claims_table(found), "", sep="\n")
     print(*(path for path in write_figures(fleet, drawn, options.folder) if path.suffix == ".pdf"), sep="\n")
 
 

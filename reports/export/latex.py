@@ -7,7 +7,7 @@ from decimal import ROUND_CEILING, ROUND_FLOOR
 from fractions import Fraction
 from typing import NamedTuple
 
-from ...models.conditions import condition_15, condition_16, condition_16_star, exact_numbers
+from ...models.conditions import CONDITION_SETS, condition_15, condition_16, condition_16_star, exact_numbers
 from ...models.excitation import Excitation
 from ...models.gains import GAIN_NAMES
 from ...models.numbers import decimal_text
@@ -44,6 +44,7 @@ def latex_files(deployed: Deployment) -> dict[str, str]:
             keys=keys,
             margins=margin_rows(deployed),
             long=len(table) > LONG_TABLE,
+            sources=CONDITION_SETS[deployed.conditions].sources if deployed.conditions else (),
         )
     }
 

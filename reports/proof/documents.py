@@ -24,12 +24,13 @@ from .statements import (
     in_text,
     inner_steps,
     refuting,
+    true_form,
     witness_in_html,
     witness_in_latex,
     witness_in_markdown,
     witness_in_text,
 )
-from .words import ALL, FLEET, LEMMAS, PAPER, method_of, note_of, place_of
+from .words import ALL, FLEET, LEMMAS, LETTERS_NOTE, PAPER, method_of, note_of, place_of
 
 FALSE = (Status.REFUTED, Status.CORRECTED)
 CLOSED_LOOP = ("eq-1", "eq-8", "eq-10", "eq-11", "eq-13", "eq-14")
@@ -83,7 +84,7 @@ def _as_dict(claim: Claim) -> dict[str, Any]:
     }
     optional = {
         "given": [in_text(relation) for relation in claim.assumptions],
-        "corrected": "; ".join(in_text(fact.statement) for fact in claim.truth) if claim.status in FALSE else "",
+        "corrected": "; ".join(in_text(fact.statement) for fact in true_form(claim)) if claim.status in FALSE else "",
         "witness": "; ".join(map(witness_in_text, refuting(claim))) if claim.status in FALSE else "",
         "latex": [in_latex(fact.statement) for fact in claim.facts],
         "mathml": _typeset(claim),  # for report.html, which has no SymPy
@@ -136,6 +137,7 @@ def render(name: str, claims: Sequence[Claim], graph: str = "") -> str:
         formal=formal,
         formal_statement=formal.sources[STATEMENT],
         graph=graph,
+        letters_note=LETTERS_NOTE,
         words=_WORDS,
     )
 
@@ -147,6 +149,7 @@ _WORDS: dict[str, Callable[..., Any]] = {
     "method": method_of,
     "name": lambda id_: ALL[id_].place,
     "steps": inner_steps,
+    "truth": true_form,
     "cancelling": cancelling,
     "given": lambda fact: "in its steps" if isinstance(fact.statement, Implication) else "given",
     "is_formula": lambda fact: not isinstance(fact.statement, Quotation),

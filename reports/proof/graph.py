@@ -17,6 +17,7 @@ COLOURS = {
     Status.OPEN: "#6b6b6b",
 }
 WIDTH, HEIGHT, GAP_X, GAP_Y, MARGIN = 136, 22, 56, 8, 24
+SHOWN = 22  # characters of a label
 
 
 def draw(claims: Iterable[Claim], root: str = "theorem") -> str:
@@ -93,7 +94,8 @@ def _edge(start: tuple[float, float], end: tuple[float, float], heavy: bool) -> 
 
 def _node(claim: Claim, x: float, y: float, heavy: bool) -> str:
     colour = COLOURS[claim.status]
-    text = claim.id if len(claim.id) <= 20 else claim.id[:19] + "…"
+    place = place_of(claim)
+    text = place if len(place) <= SHOWN else place[: SHOWN - 1] + "…"
     return (
         f"<g><title>{escape(place_of(claim))}: {claim.status.name}</title>"
         f'<rect x="{x:.0f}" y="{y:.0f}" width="{WIDTH}" height="{HEIGHT}" rx="4" fill="{colour}" '

@@ -12,7 +12,7 @@ from .notation import GREEK
 
 _NAMES = "|".join(sorted(GREEK, key=len, reverse=True))
 # A Latin letter that stands alone is mathematics too, but for words (a, A, I), units (m, N, /s) and marks such as (b).
-_ALONE = r"(?<![\w*'<])(?!(?<=\()\w\))(?!(?<=/)s)[B-HJ-MO-Zb-lo-z](?![\w'>])"
+_ALONE = r"(?<![\w*'<])(?!(?<=\()\w\))(?!(?<=/)s)(?!(?<=, )s\b(?! \w))[B-HJ-MO-Zb-lo-z](?![\w'>])"
 # A Greek letter, or a Latin one alone or with subscripts or primes; perhaps transposed. Relations, roots.
 _MATH = re.compile(
     rf"\b(?P<letter>(?:{_NAMES})(?![A-Za-z])|sum(?=_)|[A-Za-z](?=_|')|{_ALONE})(?P<subs>(?:_[A-Za-z0-9]+)*)"

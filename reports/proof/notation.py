@@ -116,6 +116,8 @@ class _MathML(_Ordered, MathMLPresentationPrinter):  # type: ignore[misc]
             return shown
         node, row = self.dom.createElement("msub"), self.dom.createElement("mrow")
         for part in lower:
+            if row.childNodes and max(map(len, (part, lower[0]))) > 1:  # words and an index
+                row.appendChild(self._leaf(" ", "mtext"))
             row.appendChild(self._leaf(part))
         node.appendChild(shown)
         node.appendChild(row)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
+from dataclasses import replace
 from html import escape
 from typing import Any
 
@@ -40,7 +41,7 @@ def in_latex(statement: Statement) -> str:
 
 
 def in_mathml(statement: Statement) -> str:
-    """One <math> element; a theorem of Rocq, which is no formula, has none and raises ValueError."""
+    """One <math> element; a theorem of Coq, which is no formula, has none and raises ValueError."""
     if isinstance(statement, Quotation):
         raise ValueError(f"{statement.name} is text, not a formula")
     return f'<math display="inline" displaystyle="true"><mrow>{_row(statement)}</mrow></math>'
@@ -85,6 +86,7 @@ def _witness(fact: Fact, typeset: Printer, escaped: Printer) -> str:
     point = ((s, escaped(value) if isinstance(value, str) else typeset(value)) for s, value in found.point)
     where = ", ".join(f"{typeset(s)} = {value}" for s, value in point)
     sides = f"left side {escaped(found.left)}, right side {escaped(found.right)}" if found.left else ""
+    sides = sides or (f"left side minus right side {escaped(found.gap)}" if found.gap else "")
     return "; ".join(filter(None, (sides, f"at {where}" if where else "")))
 
 
@@ -111,6 +113,17 @@ def inner_steps(claim: Claim) -> list[Fact]:
     return [fact for words, fact in found.items() if words not in shown and not _says_nothing(fact)]
 
 
+def true_form(claim: Claim) -> list[Fact]:
+    """The truth of a claim; where both sides of a fact read the same, the left one is the letter of what they are."""
+    named = [
+        replace(fact, statement=Relation(claim.quantity, "=", fact.right))
+        if _says_nothing(fact) and claim.quantity is not None
+        else fact
+        for fact in claim.truth
+    ]
+    return [fact for fact in named if not _says_nothing(fact)]
+
+
 def _says_nothing(fact: Fact) -> bool:
     """Whether a fact reads x = x once SymPy has evaluated it."""
     return isinstance(fact.statement, Relation) and fact.left == fact.right
@@ -132,7 +145,7 @@ def expressions(claims: Iterable[Claim]) -> Iterator[Any]:
 
 
 def of_statement(statement: Statement) -> Iterator[Any]:
-    """The sides of its relations; none of a theorem of Rocq."""
+    """The sides of its relations; none of a theorem of Coq."""
     if isinstance(statement, Implication):
         for relation in (*statement.premises, statement.conclusion):
             yield from of_statement(relation)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from ...verify.proof.claim import Claim, Fact, Method, Quotation
+from ...verify.proof.claim import Claim, Fact, Method
 
 
 class Words(NamedTuple):
@@ -178,7 +178,11 @@ LEMMAS: dict[str, Words] = {
     "L16b": Words("L16, (16)", "(16) implies (16*)."),
     "L17": Words("L17", "The cross-track error moves at second order, so that no rate is exponential."),
     "L18": Words("L18", "Where damping outweighs all pulls, speed and turn rate fall."),
-    "conditions": Words("models/conditions.py", "What the tool computes is what is proved: margin of each condition."),
+    "conditions": Words(
+        "models/conditions.py",
+        "What the tool computes is what is proved: the margin of each condition as models/conditions.py computes it, "
+        "and as L16 and L18 give it.",
+    ),
     "thm-a": Words("(a)", "From every state at every time there is exactly one solution, for all later time."),
     "thm-b": Words("(b)", "Solutions are bounded, uniformly over starts in a bounded set and over starting times."),
     "thm-c": Words("(c)", "The formation is uniformly globally asymptotically stable."),
@@ -208,6 +212,11 @@ FLEET: dict[str, Words] = {
 
 ALL: dict[str, Words] = {**PAPER, **LEMMAS, **FLEET}
 
+LETTERS_NOTE = (
+    "phi_i = (cos theta_i, sin theta_i) is the heading of vehicle i and phi_perp = (-sin theta_i, cos theta_i). The "
+    "index min or max is over all vehicles or links."
+)
+
 METHODS: dict[Method, str] = {
     Method.ASSUMED: "hypothesis",
     Method.INSTANCE: "a special case",
@@ -228,7 +237,7 @@ METHODS: dict[Method, str] = {
     Method.CONSEQUENCE: "it is 0 at the formation and continuous",
     Method.BALLS: "ball arithmetic",
     Method.EXACT: "exact arithmetic",
-    Method.ROCQ: "checked by Rocq",
+    Method.COQ: "checked by Coq",
     Method.CITED: "a textbook theorem",
 }
 
@@ -239,10 +248,8 @@ def place_of(claim: Claim) -> str:
 
 
 def note_of(claim: Claim) -> str:
-    """What a claim says in words; of a theorem that Rocq checked, its names there."""
-    names = [fact.statement.name for fact in claim.facts if isinstance(fact.statement, Quotation)]
-    formal = ", ".join(name.removesuffix("_holds").replace("_", " ") for name in names)
-    return " ".join(filter(None, (ALL[claim.id].note, f"In Rocq: {formal}." if formal else "")))
+    """What a claim says in words."""
+    return ALL[claim.id].note
 
 
 def method_of(fact: Fact) -> str:

@@ -114,5 +114,6 @@ def _names(claim: Claim) -> list[list[str]]:
 
 
 def _found(fact: Fact) -> list[Any]:
-    witness = fact.witness and [[str(value) for _, value in fact.witness.point], fact.witness.left, fact.witness.right]
+    found = fact.witness
+    witness = found and [[str(value) for _, value in found.point], found.left, found.right, found.gap]
     return [fact.holds, fact.method.name, len(fact.by), list(fact.values), witness]

@@ -10,10 +10,10 @@ from gaincert.reports.proof import documents as proof_report
 from gaincert.reports.proof.inline import inline_html, inline_markdown, inline_tex
 from gaincert.reports.proof.letters import letter_of
 from gaincert.reports.proof.notation import latex, mathml
-from gaincert.reports.proof.statements import expressions, inner_steps
+from gaincert.reports.proof.statements import expressions, in_text, inner_steps, refuting, true_form
 from gaincert.reports.proof.words import ALL
 from gaincert.verify.proof import prove
-from gaincert.verify.proof.claim import Kind, Status
+from gaincert.verify.proof.claim import Kind, Quotation, Relation, Status
 from gaincert.verify.proof.method.fleet_symbols import generic
 
 from tests.campaigns.proof_verdicts import strained_fleet
@@ -74,6 +74,36 @@ def test_all_facts_of_every_claim_are_shown(claims, documents):
         section = html.split(f'id="claim-{claim.id}"')[1].split("</section>")[0]
         truth = claim.truth if claim.status is Status.CORRECTED else ()
         assert section.count("<li class=") == len(claim.facts) + len(truth) + len(inner_steps(claim)), claim.id
+
+
+def test_a_true_form_never_says_that_something_is_itself(claims):
+    """(23): what is left in the limit is the same expression on both sides, and has a letter."""
+    for claim in claims:
+        for fact in true_form(claim):
+            assert not isinstance(fact.statement, Relation) or fact.left != fact.right, claim.id
+        assert claim.status is not Status.CORRECTED or true_form(claim), claim.id
+    (limit,) = (claim for claim in claims if claim.id == "eq-23")
+    assert in_text(true_form(limit)[0].statement) == "limit = b_i*omega_i"
+
+
+def test_the_witness_of_an_equation_has_two_sides_that_differ(claims):
+    sides = [
+        (fact.witness.left, fact.witness.right)
+        for claim in claims
+        for fact in refuting(claim)
+        if isinstance(fact.statement, Relation) and fact.statement.sign == "=" and fact.witness.left
+    ]
+    assert len(sides) >= 4
+    assert all(float(left) != float(right) for left, right in sides)
+
+
+def test_formal_statements_are_closed_sentences(claims):
+    quoted = [
+        f.statement for c in claims for f in c.facts if isinstance(f.statement, Quotation) and f.statement.is_source
+    ]
+    assert len(quoted) > 10
+    bound = [quotation.text for quotation in quoted if " F" in quotation.text]
+    assert all(text.startswith(("forall", "exists")) or "forall F" in text for text in bound), bound
 
 
 def test_every_letter_is_explained(claims, documents):
@@ -146,7 +176,7 @@ def test_the_appendix_writes_out_the_closed_loop_and_then_the_energies(documents
     text = (documents / "proof.tex").read_text()
     assert "documentclass" not in text
     assert "usepackage" not in text
-    section = text.split("section*{The closed loop and its energies}")[1].split("section*{The paper, in its order}")[0]
+    section = text.split("section{The closed loop and its energies}")[1].split("section{The paper, in its order}")[0]
     labels = [section.index(f"\\item[({n})] $") for n in (1, 8, 10, 11, 13, 14, 17, 18, 19, 20)]
     assert labels == sorted(labels)
     assert "The closed loop and its energies" not in text.split("The paper, in its order")[1]

@@ -88,6 +88,8 @@ def test_every_claim_has_facts_and_every_false_one_a_witness(claims):
 @pytest.mark.parametrize(
     ("id_", "values"),
     [
+        ("eq-2-physical", ("0.463149", "-0.231575")),
+        ("eq-6-physical", ("1.47096", "-0.735480")),
         ("after-20", ("-0.0366517232", "-15.1952314")),
         ("boundedness-of-omega", ("1.23418516", "0")),
         ("ubar-omega", ("180.417810", "146.019495")),
@@ -236,7 +238,7 @@ def test_a_theorem_that_is_not_there_is_refused():
 
 def test_formal_statements_are_the_words_of_the_sources(claims):
     theorem = claims["theorem"].facts[-1]
-    assert theorem.method is Method.ROCQ
+    assert theorem.method is Method.COQ
     assert theorem.statement.source == "Theorem.v"
     assert theorem.statement.text == (
         "forall F : fleet, A1 F -> A2 F -> A3 F -> uniformly_bounded F /\\ uniformly_stable F /\\ "

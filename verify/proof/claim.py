@@ -19,7 +19,7 @@ class Status(Enum):
     """The verdict on a claim; the value is the sentence that a report prints."""
 
     PROVED = "proved: every step was checked here by computer algebra or rigorous arithmetic"
-    FORMAL = "formal: at least one step was checked by the proof assistant Rocq, all others here"
+    FORMAL = "formal: at least one step was checked by the proof assistant Coq, all others here"
     CORRECTED = "corrected: false as it stands, true in the corrected form"
     REFUTED = "refuted: false, with a witness that was evaluated rigorously"
     CITED = "cited: rests on a textbook theorem whose hypotheses were checked here"
@@ -58,7 +58,7 @@ class Method(Enum):
     CONSEQUENCE = auto()
     BALLS = auto()
     EXACT = auto()
-    ROCQ = auto()
+    COQ = auto()
     CITED = auto()
 
 
@@ -109,11 +109,12 @@ Statement = Relation | Implication | Quotation
 
 @dataclass(frozen=True)
 class Witness:
-    """A point at which a statement fails, with the values of its two sides there."""
+    """A point at which a statement fails, with the values of its two sides there, or of their difference alone."""
 
     point: tuple[tuple[Expr, Expr], ...]  # a decimal for a number that is not exact
-    left: str
-    right: str
+    left: str = ""
+    right: str = ""
+    gap: str = ""  # left - right
 
 
 @dataclass(frozen=True)
@@ -215,7 +216,7 @@ class Claim:
         methods = {fact.method for fact in self.steps()}
         if Method.CITED in methods:
             return Status.CITED
-        return Status.FORMAL if Method.ROCQ in methods else Status.PROVED
+        return Status.FORMAL if Method.COQ in methods else Status.PROVED
 
     def steps(self) -> Iterator[Fact]:
         """Every fact beneath the claim's own, through other claims as well."""

@@ -53,7 +53,8 @@ class Development:
 
     def written_out(self, statement: str) -> str:
         """A statement on one line; where it is a name, what the name is defined as."""
-        words = " ".join(statement.split()).removeprefix(": ")
+        binders, words = re.fullmatch(r"((?:[^():]|\([^)]*\))*):(.*)", " ".join(statement.split())).groups()
+        words = f"forall {binders.strip()}, {words.strip()}" if binders.strip() else words.strip()
         body = re.compile(rf"^Definition {re.escape(words)} : Prop := (.*?)\.\s*$", re.MULTILINE | re.DOTALL)
         defined = body.search(check.without_comments(self.sources[STATEMENT]))
         return " ".join(defined.group(1).split()) if defined else words
@@ -87,4 +88,4 @@ def proved_by(theorem: str, formal: Development, among: Sequence[Fact] = ()) -> 
     required = formal.required(quotation.source)
     by = [fact for fact in among if isinstance(fact.statement, Quotation) and fact.statement.source in required]
     values = (formal.record.digest, formal.record.coq) if formal.checked and formal.record else ()
-    return Fact(quotation, formal.checked or None, Method.ROCQ, tuple(by), values=values)
+    return Fact(quotation, formal.checked or None, Method.COQ, tuple(by), values=values)

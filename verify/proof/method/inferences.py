@@ -75,7 +75,7 @@ def counterexample(rule: Implication, functions: Mapping[Expr, Expr], facts: Seq
     wanted.append(Relation(conclusion.left, _NEGATED[conclusion.sign], conclusion.right))
     shown = [fact.statement for fact in facts if fact.holds]
     holds = False if all(any(_same(relation, other) for other in shown) for relation in wanted) else None
-    point = Witness(tuple(functions.items()), "", "")
+    point = Witness(tuple(functions.items()))
     return Fact(rule, holds, Method.COUNTEREXAMPLE, tuple(facts), witness=point if holds is False else None)
 
 

@@ -99,22 +99,30 @@ def identity(left: Expr, right: Expr, fleet: SymbolicFleet | None = None, by: Se
     left_side, right_side = (
         side.doit() if side.has(sp.Integral, sp.Derivative) else side for side in (relation.left, relation.right)
     )
-    decisive = difference(unfold(left_side), unfold(right_side))
+    sides = unfold(left_side), unfold(right_side)
+    decisive = difference(*sides)
     if decisive == 0:
         return Fact(relation, settled(True, by), Method.NORMAL_FORM, tuple(by), sp.S.Zero)
-    witness = _separating_point(decisive)
+    witness = _separating_point(decisive, *map(normal_form, sides))
     residual = difference(left_side, right_side)
     return Fact(relation, settled(False if witness else None, by), Method.NORMAL_FORM, tuple(by), residual, witness)
 
 
-def _separating_point(residual: Expr) -> Witness | None:
-    """A rational point at which an expression is not 0; None where three points show none."""
+def _separating_point(residual: Expr, left: Expr, right: Expr) -> Witness | None:
+    """A rational point at which left - right is not 0, with both sides there; None where three points show none.
+
+    Where letters cancel in the difference, it is given alone.
+    """
+    letters = residual.free_symbols
     with precise():
         for seed in range(3):
-            point = sample(sorted(residual.free_symbols, key=lambda s: s.name), seed)
+            point = sample(sorted(letters, key=lambda s: s.name), seed)
             value = evaluate(residual, point)
             if abs(value) > 0:
-                return Witness(tuple((s, f"{float(q):g}") for s, q in point.items()), text(value), "0")
+                shown = tuple((s, f"{float(q):g}") for s, q in point.items())
+                if left.free_symbols | right.free_symbols <= letters:
+                    return Witness(shown, text(evaluate(left, point)), text(evaluate(right, point)))
+                return Witness(shown, gap=text(value))
     return None
 
 

@@ -145,7 +145,13 @@ def table_1(stated: Expr | None = None) -> Claim:
     newton = kg * metre / second**2
     torque = kg * (metre / second**2) * metre
     printed = newton if stated is None else stated
-    return Claim("table-1", Kind.PAPER, (identity(printed, torque),), truth=(identity(newton * metre, torque),))
+    return Claim(
+        "table-1",
+        Kind.PAPER,
+        (identity(printed, torque),),
+        truth=(identity(newton * metre, torque),),
+        quantity=parameter("tau_max"),
+    )
 
 
 def table_2() -> Claim:
