@@ -53,7 +53,8 @@ class Development:
 
     def written_out(self, statement: str) -> str:
         """A statement on one line; where it is a name, what the name is defined as."""
-        binders, words = re.fullmatch(r"((?:[^():]|\([^)]*\))*):(.*)", " ".join(statement.split())).groups()
+        text = " ".join(statement.split())
+        binders, words = re.split(r":(?![^(]*\))", text, maxsplit=1)  # the first colon outside parentheses
         words = f"forall {binders.strip()}, {words.strip()}" if binders.strip() else words.strip()
         body = re.compile(rf"^Definition {re.escape(words)} : Prop := (.*?)\.\s*$", re.MULTILINE | re.DOTALL)
         defined = body.search(check.without_comments(self.sources[STATEMENT]))
