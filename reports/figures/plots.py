@@ -26,6 +26,7 @@ Floats = NDArray[np.float64]
 
 POINTS = 1500  # drawn per line
 FLOOR = 1e-6  # lower end of a logarithmic axis
+IDLE = 0.02  # of the largest torque; less is next to none
 LIMITS = 6  # different torque limits that are drawn
 
 
@@ -44,7 +45,7 @@ def plot_paths(fleet: Fleet, run: Trajectory, axis: Any = None) -> Any:
         if len(fleet) <= LABELLED:
             axis.annotate(
                 plain(fleet.names[i]),
-                (run.state.x[0, i], run.state.y[0, i]),
+                (run.state.x[-1, i], run.state.y[-1, i]),  # in the formation places differ, at the start they may not
                 textcoords="offset points",
                 xytext=(5, 5),
                 color=colour,
@@ -115,19 +116,30 @@ def plot_torques(fleet: Fleet, run: Trajectory, axis: Any = None) -> Any:
 
 
 def plot_wheel_torques(fleet: Fleet, run: Trajectory, axes: Any = None) -> Any:
-    """Figure 7: the torque of each wheel, N m, left and right in two panels; dashed lines are the limits."""
+    """Figure 7: the torque of each wheel, N m, left and right in two panels; dashed lines are the limits.
+
+    A run that goes on with next to no torque is drawn up to then.
+    """
     axes = _axes(axes, 2)
     sides = (("left", run.tau_left), ("right", run.tau_right))
+    end = _at_work(run.t, np.maximum(np.abs(run.tau_left), np.abs(run.tau_right)).max(axis=1))
     for axis, (side, torque), limit in zip(axes, sides, torque_limits(fleet), strict=True):
-        t, ends = _range(run.t, torque)
+        t, ends = _range(run.t[:end], torque[:end])
         for i in shown_vehicles(len(fleet)):
             axis.plot(t, ends[:, i], color=COLOURS[i % len(COLOURS)], lw=0.7, label=plain(fleet.names[i]))
         for value in sorted(set(limit[shown_vehicles(len(fleet))]))[:LIMITS]:
             axis.axhline(value, color="k", lw=0.8, ls="--")
             axis.axhline(-value, color="k", lw=0.8, ls="--")
         axis.set_ylabel(f"{side} wheel / N m")
-    axes[-1].set_xlabel("time / s")
+    later = f", later torques below {IDLE:.0%} of the largest" if end < len(run.t) else ""
+    axes[-1].set_xlabel(f"time / s{later}")
     return axes
+
+
+def _at_work(t: Floats, largest: Floats) -> int:
+    """How many points of a run there are up to some time after the last torque that counts."""
+    last = float(t[np.flatnonzero(largest >= IDLE * largest.max())[-1]])
+    return int(np.searchsorted(t, 1.2 * last, side="right"))
 
 
 def plot_energies(fleet: Fleet, run: Trajectory, axis: Any = None) -> Any:  # noqa: ARG001 -- as all plots
