@@ -63,9 +63,7 @@ PAPER: dict[str, Words] = {
         "An error map that is 0 only at 0 may still vanish at infinity; L9 excludes that here.",
         "None.",
     ),
-    "eq-17": Words(
-        "(17)", "V is 0 at the formation, positive elsewhere and large far away; 1/2 undoes the double count."
-    ),
+    "eq-17": Words("(17)", "V is 0 at the formation, positive elsewhere and large far away; each edge counts once."),
     "eq-18": Words("(18)", "V never rises: the pulls and the potential cancel edge by edge."),
     "v-in-L2": Words("text after (18)", "v is square integrable, and v' is bounded."),
     "eq-19": Words("(19)", "W is the same of the headings."),
@@ -80,7 +78,8 @@ PAPER: dict[str, Words] = {
     "after-20-c": Words("(15) gives W' <= 0", "For all |omega_i| >= 1 at once; nothing where one |omega_j| < 1."),
     "boundedness-of-omega": Words(
         '"|omega_i| >= 1 gives W\' <= 0, hence omega_i is bounded"',
-        "Neighbours with |omega_j| < 1 are not damped enough: W rises although |omega_1| >= 1.",
+        "Neighbours with |omega_j| < 1 are not damped enough: W rises although |omega_1| >= 1. The witness has the "
+        "paper's graph and gains.",
         "The turn rate has no bound from here. The corrected theorem bounds it, (15') by a number.",
     ),
     "eq-21": Words(
@@ -129,7 +128,8 @@ PAPER: dict[str, Words] = {
     "ubar-v": Words("saturation paragraph, u_bar_v", "The supremum; no state attains it."),
     "ubar-omega": Words(
         "saturation paragraph, u_bar_omega",
-        "sqrt2 k psi_bar a_il is missing where a vehicle hears the leader; Proposition 1 has it right.",
+        "sqrt2 k psi_bar a_il is missing where a vehicle hears the leader; Proposition 1 has it right. The second witness "
+        "has the paper's gains.",
         "Motors sized by this paragraph are too weak for vehicles that hear the leader.",
     ),
     "ubar-omega-prop": Words("Proposition 1, u_bar_omega", "The supremum; no state attains it."),
