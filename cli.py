@@ -169,7 +169,9 @@ def simulate(
     real = disturbed.of(fleet, seed)
     simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, real)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
-    return Outcome.of(simulated.document, true=not simulated.false_claims)
+    say_obstacles(printer, simulated.obstacles)
+    content = {**simulated.document, "obstacles": list(map(str, simulated.obstacles))}
+    return Outcome.of(content, true=not simulated.false_claims and not simulated.obstacles)
 
 
 @verb

@@ -66,9 +66,10 @@ def last_line(error: Exception) -> str:
 
 
 def did_you_mean(word: Any, known: Iterable[str]) -> str:
-    """A similar known word, in brackets; empty without one."""
-    close = difflib.get_close_matches(str(word), list(known)[:2000], 1)
-    return f" (did you mean {close[0]!r}?)" if close else ""
+    """A similar known word in brackets, capitals or not; empty without one."""
+    small = {str(name).lower(): name for name in list(known)[:2000]}
+    close = difflib.get_close_matches(str(word).lower(), list(small), 1)
+    return f" (did you mean {small[close[0]]!r}?)" if close else ""
 
 
 def some_vehicles(quoted: Sequence[str]) -> str:

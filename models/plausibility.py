@@ -8,11 +8,15 @@ from __future__ import annotations
 import math
 from collections import defaultdict
 from collections.abc import Iterator, Sequence
+from fractions import Fraction
 from typing import NamedTuple
 
+import numpy as np
+
+from .arrays import floats
 from .errors import some_vehicles
 from .fleet import Fleet
-from .fleet_tables import Leader, Pose, Vehicle
+from .fleet_tables import DisturbanceTable, Leader, Pose, Vehicle
 from .numbers import low, nominal
 
 DENSE, LIGHT = 3000.0, 2.0  # kg / m^3, mass over the cube of the track: metal, and foam
@@ -20,6 +24,9 @@ WIDE, TALL = 5.0, 2.0  # m, half track and wheel radius
 FAR = 2000.0  # tracks from the leader
 FIERCE = 90.0  # m/s^2 under full torque; tyres hold about 10
 NARROW, BROAD = 0.5, 5.0  # radius of gyration over half track
+LATE = 1.0  # s, delay and sample time
+HEAVY = 5.0  # times the mass: what the wheels' inertia adds
+BODY = 10.0  # half tracks: a footprint
 SPINNING = 20.0  # rad/s, limit of a turn rate
 FAST, ROLLING = 30.0, 15.0  # m/s: limit of a speed, and of the rim of a wheel
 
@@ -54,8 +61,9 @@ def slips(fleet: Fleet) -> list[str]:
             found[slip.kind].append((vehicle.name, slip.text))
     return [
         *_of_leader(fleet.leader),
+        *_of_disturbance(fleet.disturbance),
         *(_line(entries, len(fleet)) for entries in found.values()),
-        *_on_one_place(fleet),
+        *(_on_one_place(fleet) or _too_near(fleet)),
     ]
 
 
@@ -76,7 +84,10 @@ def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
     track, density = _length(2 * half), mass / (2 * half) ** 3
     gyration = math.sqrt(float(nominal(vehicle.inertia)) / mass) / half
     if half > WIDE or radius > TALL:
-        yield Slip("lengths", f"wheels of {_length(2 * radius)} diameter, {track} apart: lengths are in m, not in mm")
+        yield Slip(
+            "lengths",
+            f"wheel_radius = {radius:g} m and half_track = {half:g} m: lengths are in m, not in mm",
+        )
         return
     if not LIGHT <= density <= DENSE:
         likely = "dense as metal: mass is in kg, not in g" if density > DENSE else "lighter than foam: use kg and m"
@@ -87,6 +98,18 @@ def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
             "inertia",
             f"inertia = {float(nominal(vehicle.inertia)):g} kg m^2 is that of {_kg(vehicle)} at "
             f"{_length(gyration * half)} from the centre: it is in kg m^2, not in kg cm^2",
+        )
+    if (spun := 2 * float(nominal(vehicle.wheel_inertia)) / radius**2) > HEAVY * mass:
+        yield Slip(
+            "wheel inertia",
+            f"wheel_inertia = {float(nominal(vehicle.wheel_inertia)):g} kg m^2 adds {spun:.3g} kg to {_kg(vehicle)}: "
+            "it is in kg m^2, of one wheel",
+        )
+    if vehicle.footprint is not None and vehicle.footprint > BODY * half:
+        yield Slip(
+            "footprint",
+            f"footprint = {float(vehicle.footprint):g} m is the radius of a robot with wheels {track} apart: "
+            "it is in m, not in mm",
         )
     if radius > 2 * half:
         yield Slip("wheels", f"wheel_radius = {radius:g} m is more than the track of {track}: exchanged, or in cm?")
@@ -155,6 +178,15 @@ def _of_leader(leader: Leader) -> Iterator[str]:
         yield _degrees("leader: heading", leader.theta)
 
 
+def _of_disturbance(table: DisturbanceTable | None) -> Iterator[str]:
+    """Times in milliseconds, or rates for times."""
+    if table is None:
+        return
+    for key, other in (("sample_time", "not in ms, and no rate in Hz"), ("delay", "not in ms")):
+        if (time := float(getattr(table, key) or 0)) > LATE:
+            yield f"disturbance: {key} = {time:g} s is late for any robot: it is a time in s, {other}"
+
+
 def in_degrees(pose: Pose) -> bool:
     """Whether the heading in rad is more than a turn, and so most likely meant in degrees."""
     return pose.heading is not None and abs(pose.heading) > math.tau
@@ -165,8 +197,9 @@ def _degrees(what: str, heading: float) -> str:
     return f"{what} = {heading:g} rad is {turns:.3g} turns: for degrees write heading_deg = {heading:g}"
 
 
-def _on_one_place(fleet: Fleet) -> Iterator[str]:
+def _on_one_place(fleet: Fleet) -> list[str]:
     """Vehicles with the same offset or the same start."""
+    found = []
     for what, follows in (("offset", "they collide at the goal"), ("start position", "they start inside each other")):
         places: dict[object, list[str]] = defaultdict(list)
         for vehicle in fleet.vehicles:
@@ -176,7 +209,34 @@ def _on_one_place(fleet: Fleet) -> Iterator[str]:
                 places[vehicle.start.position].append(vehicle.name)
         for names in places.values():
             if len(names) > 1:
-                yield f"{some_vehicles([*map(repr, names)])} have the same {what}: {follows}; give each its own"
+                found.append(f"{some_vehicles([*map(repr, names)])} have the same {what}: {follows}; give each its own")
+    return found
+
+
+def _too_near(fleet: Fleet) -> list[str]:
+    """The pair of offsets, and of starts, that lies nearest for its footprints, if nearer than these."""
+    vehicles = [vehicle for vehicle in fleet.vehicles if vehicle.footprint is not None]
+    started = [vehicle for vehicle in vehicles if vehicle.start is not None]
+    offsets = [vehicle.offset for vehicle in vehicles]
+    starts = [vehicle.start.position for vehicle in started if vehicle.start is not None]
+    return [*_nearest("offsets", vehicles, offsets), *_nearest("start positions", started, starts)]
+
+
+def _nearest(what: str, vehicles: Sequence[Vehicle], places: Sequence[tuple[Fraction, Fraction]]) -> Iterator[str]:
+    if len(vehicles) < 2:
+        return
+    from scipy.spatial import cKDTree
+
+    distance, other = cKDTree(floats(places)).query(floats(places), k=2)
+    sizes = floats([vehicle.footprint for vehicle in vehicles])
+    needed = sizes + sizes[other[:, 1]]
+    i = int(np.argmin(distance[:, 1] / needed))
+    if distance[i, 1] < needed[i]:
+        pair = " and ".join(repr(vehicles[k].name) for k in sorted((i, int(other[i, 1]))))
+        yield (
+            f"vehicles {pair}: their {what} are {distance[i, 1]:.3g} m apart, and their footprints need "
+            f"{needed[i]:.3g} m: they collide there"
+        )
 
 
 def _kg(vehicle: Vehicle) -> str:

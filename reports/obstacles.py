@@ -63,7 +63,12 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
 
 def of_control_rate(sample_time: float | None, largest: float | None) -> list[Obstacle]:
     """The fleet's sample time against the largest with which the design still settles, s; None if unknown."""
-    if sample_time is None or largest is None or sample_time <= largest:
+    if sample_time is None:
+        return []
+    if largest is None:
+        what = "with the fleet's [disturbance] not all ranking starts settle, however often the torques are computed"
+        return [Obstacle(what, "check delay, noise and friction and their units, or ask for a wider --tolerance")]
+    if sample_time <= largest:
         return []
     what = (
         f"torques are computed every {1000 * sample_time:g} ms, and this design needs {1000 * largest:.3g} ms or less"
@@ -72,11 +77,13 @@ def of_control_rate(sample_time: float | None, largest: float | None) -> list[Ob
 
 
 def of_run(fleet: Fleet, summary: Summary) -> list[Obstacle]:
-    """Collisions, and a disturbed run that does not reach its goal."""
+    """Collisions, and a disturbed run that does not reach its goal in a time in which the nominal one does."""
     from ..verify.simulation.settling import Approach
 
     found = [] if summary.room is None else _collisions(fleet, summary.room)
-    if summary.disturbance is not None and not summary.settled and summary.approach is not Approach.CLOSING_IN:
+    in_time = summary.nominal is None or summary.nominal.settled
+    late = not summary.settled and summary.approach is not Approach.CLOSING_IN
+    if summary.disturbance is not None and late and in_time:
         what = (
             f"with its disturbance the fleet does not settle: after {summary.horizon:g} s it is {summary.approach}, "
             f"{summary.final_position_error:.3g} m and {summary.final_heading_error:.3g} rad off"

@@ -22,8 +22,9 @@ def check_fleet(printer: Printer, path: Path) -> dict[str, Any]:
 
     read = load_fleet_file(path)
     summary, robots = fleet_summary(read.fleet), robot_summaries(read)
+    leader = read.fleet.leader
     turned = (one for one in read.fleet.vehicles if not (one.start and in_degrees(one.start)))  # else a warning says so
-    hints = (heading_hint(vehicle, read.fleet.leader) for vehicle in turned)
+    hints = (heading_hint(vehicle, leader) for vehicle in turned if not in_degrees(leader))
     notes = list(filter(None, (centre_of_mass_note(read.fleet), *hints)))
     printer.say(*(f"{key:24} {value}" for key, value in summary.items()))
     for robot in robots[:SHOWN]:

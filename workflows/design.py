@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .certify import certify_gains
 from .inputs import ALL_CORES, Pool, check_folder
-from .obstacles import obstacles_of
+from .obstacles import obstacles_of, say_slips
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -86,6 +86,7 @@ def design_fleet(
     from ..reports.results import say_stale, stale_files
 
     check_folder(folder)
+    say_slips(printer, fleet)
     design = design_gains(printer, fleet, options, pool)
     document = write_design(printer, design, folder)
     gains = gains_of(design)

@@ -24,6 +24,13 @@ def obstacles_of(printer: Printer, fleet: Fleet, gains: GainsFile, tolerance: To
     return of_fleet(fleet) or of_gains(rows, tolerance)
 
 
+def say_slips(printer: Printer, fleet: Fleet) -> None:
+    """Print one line for each kind of entry that is most likely a slip, before work is spent on it."""
+    from ..models.plausibility import slips
+
+    printer.say(*(f"warning: {line}" for line in slips(fleet)))
+
+
 def say_obstacles(printer: Printer, obstacles: Sequence[Obstacle]) -> None:
     """Print one line for each obstacle."""
     printer.say(*(f"NOT USABLE: {obstacle}" for obstacle in obstacles))

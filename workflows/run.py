@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..console import Outcome
 from . import certify, design, prove, simulate
-from .obstacles import obstacles_of, say_obstacles
+from .obstacles import obstacles_of, say_obstacles, say_slips
 
 if TYPE_CHECKING:
     from ..console import Printer
@@ -41,6 +41,7 @@ class Pipeline:
 
     def run_given(self, gains: GainsFile, conditions: str) -> Outcome:
         """Certify gains that somebody else chose, then the rest."""
+        say_slips(self.printer, self.fleet)
         certificate = certify.certify_gains(self.printer, self.fleet, gains, conditions, self.folder)
         obstacles = obstacles_of(self.printer, self.fleet, gains, self.simulation.tolerance)
         document = {"certificate": certify.as_json(certificate, conditions, self.folder)}
@@ -49,7 +50,6 @@ class Pipeline:
     def _rest(self, gains: GainsFile, document: dict[str, Any], obstacles: list[Obstacle]) -> Outcome:
         """Prove, simulate, report."""
         from ..reports.html.page import write_report
-        from ..reports.obstacles import of_run
 
         printer, fleet, folder = self.printer, self.fleet, self.folder
         claims = prove.prove_claims(printer, fleet, folder, brief=True)
@@ -60,7 +60,7 @@ class Pipeline:
             simulated = simulate.simulate_schemes(printer, fleet, gains, self.simulation, folder)
             document["summary"] = simulated.document
             true = true and not simulated.false_claims
-            obstacles = [*obstacles, *of_run(fleet, simulated.summary)]
+            obstacles = [*obstacles, *simulated.obstacles]
         path = write_report(folder)
         printer.say(f"report: {path}")
         say_obstacles(printer, obstacles)

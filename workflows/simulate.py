@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from ..models.files.gains_file import GainsFile
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
+    from ..reports.obstacles import Obstacle
     from ..verify.simulation.disturbance import Disturbance
     from ..verify.simulation.summary import Summary
     from ..verify.simulation.trajectory import Trajectory
@@ -37,6 +38,7 @@ class Simulated:
 
     summary: Summary  # of the first scheme; of its disturbed run if there is a disturbance
     document: dict[str, Any]  # the content of summary.json
+    obstacles: list[Obstacle]  # collisions, and a disturbance with which the robots do not arrive
 
     @property
     def false_claims(self) -> list[str]:
@@ -51,7 +53,7 @@ def simulate_schemes(
     printer: Printer, fleet: Fleet, gains: GainsFile, simulation: Simulation, folder: Path
 ) -> Simulated:
     """Simulate the schemes, write all files and print the results."""
-    from ..reports.obstacles import footprint_hints
+    from ..reports.obstacles import footprint_hints, of_run
     from ..verify.simulation.simulate import summarize
 
     scheme, disturbance = simulation.schemes[0], simulation.disturbance
@@ -69,7 +71,7 @@ def simulate_schemes(
         summary, stored = _disturbed(fleet, first, disturbance, summary)
         drawn = {"with the disturbance": stored, **drawn}
         printer.say(f"with the disturbance ({disturbance.in_words()}): {sentence(summary)}", motion(summary))
-    result = Simulated(summary, _document(fleet, gains, summary, scheme))
+    result = Simulated(summary, _document(fleet, gains, summary, scheme), of_run(fleet, summary))
     _write(fleet, stored, drawn, result.document, folder)
     printer.say(
         *footprint_hints(fleet, summary),
@@ -158,8 +160,6 @@ def motion(summary: Summary) -> str:
 
 def hints(summary: Summary) -> list[str]:
     """Notes on a chaotic run, and on a run that was too short."""
-    from ..verify.simulation.settling import Approach
-
     error, found = summary.integration_error, []
     if error is not None and error.position >= CHAOTIC:
         found.append(
@@ -167,6 +167,6 @@ def hints(summary: Summary) -> list[str]:
             "way, because rounding grows while the vehicles still turn fast. Both obey the same equations; times from "
             "many starts (gaincert validate) mean more than the time from this one"
         )
-    if not summary.settled and summary.approach is Approach.CLOSING_IN:
+    if not summary.settled and summary.disturbance is None:
         found.append("give a longer --horizon to see it settle")
     return found

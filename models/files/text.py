@@ -54,6 +54,8 @@ def write_whole(path: Path, write: Callable[[IO[bytes]], Any]) -> Path:
 def check_writable(folder: Path) -> None:
     """Raise InputError or FaultError if no file can be written into a folder; what it creates is removed again."""
     missing = [path for path in (folder, *folder.parents) if not path.exists()]
+    if files := [path for path in (folder, *folder.parents) if path.is_file()]:
+        raise InputError(f"{folder}: cannot be written: {files[0]} is a file, not a folder; choose another folder")
     try:
         write_whole(folder / ".gaincert-try", lambda _file: None).unlink()
     finally:

@@ -128,8 +128,8 @@ PAPER: dict[str, Words] = {
     "ubar-v": Words("saturation paragraph, u_bar_v", "The supremum; no state attains it."),
     "ubar-omega": Words(
         "saturation paragraph, u_bar_omega",
-        "sqrt2 k psi_bar a_il is missing where a vehicle hears the leader; Proposition 1 has it right. The second witness "
-        "has the paper's gains.",
+        "sqrt2 k psi_bar a_il is missing where a vehicle hears the leader; Proposition 1 has it right. The second "
+        "witness has the paper's gains.",
         "Motors sized by this paragraph are too weak for vehicles that hear the leader.",
     ),
     "ubar-omega-prop": Words("Proposition 1, u_bar_omega", "The supremum; no state attains it."),

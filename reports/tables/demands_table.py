@@ -96,7 +96,7 @@ def for_terminal(rows: list[DemandRow]) -> TerminalTable:
         ]
         for row in rows[:SHOWN]
     ]
-    caption = "torque, speed and turn rate never exceed these from rest"
+    caption = "from rest, torque, speed and turn rate never exceed the bounds that are shown"
     if rubbing:
         caption += "; friction may stop a vehicle so near its place and heading"
     return TerminalTable(headings, table, caption)

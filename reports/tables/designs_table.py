@@ -44,9 +44,11 @@ class DesignRow(NamedTuple):
 
 
 def design_rows(folder: Path) -> list[DesignRow]:
-    """One row per folder with a design.json or a validation.json, if there are several such folders."""
+    """One row per folder with a design.json or a validation.json of one fleet, if there are several such folders."""
     places = [folder, *sorted(path for path in folder.glob("*") if path.is_dir())]
     found = [place for place in places if any((place / f"{name}.json").is_file() for name in ("design", "validation"))]
+    fleet = _fleet_of(found[0]) if found else None
+    found = [place for place in found if _fleet_of(place) == fleet]
     if len(found) < 2:
         return []
     return [_row(place, "this design" if place == folder else place.name) for place in found]
@@ -55,6 +57,12 @@ def design_rows(folder: Path) -> list[DesignRow]:
 def as_json(rows: list[DesignRow]) -> list[dict[str, Any]]:
     """The rows without the times of every start."""
     return [{key: value for key, value in row._asdict().items() if key != "times"} for row in rows]
+
+
+def _fleet_of(place: Path) -> Any:
+    """The digest of the fleet that a folder's design, or else its validation, is of."""
+    contents = (read_json(place / f"{part}.json") or {} for part in ("design", "validation"))
+    return next((digest for content in contents if (digest := content.get("fleet_digest"))), None)
 
 
 def _row(place: Path, name: str) -> DesignRow:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from gaincert.console import Printer
+from gaincert.models.errors import InputError
 from gaincert.models.files.templates import template_text
 from gaincert.reports.deployment import load_deployment
 from gaincert.reports.results import current_digests, stale_files
@@ -56,6 +57,32 @@ def test_a_folder_that_cannot_be_written_is_refused_before_the_work(
     assert done.returncode == 2
     assert "cannot be written" in done.stderr
     assert UNCHECKED not in done.stderr
+
+
+def test_a_file_where_a_folder_should_be_is_named(tmp_path: Path) -> None:
+    (tmp_path / "file").write_text("")
+    done = gaincert("simulate", *PAPER, "-o", tmp_path / "file" / "out")
+    assert done.returncode == 2
+    words = f"cannot be written: {tmp_path / 'file'} is a file, not a folder; choose another folder"
+    assert f"{tmp_path / 'file' / 'out'}: {words}" in done.stderr
+
+
+def test_robots_that_collide_end_a_simulation_with_1(tmp_path: Path) -> None:
+    fleet = tmp_path / "fleet.toml"
+    fleet.write_text(PAPER[0].read_text().replace("torque_limit", "footprint = 2\ntorque_limit"))
+    done = gaincert("simulate", fleet, *PAPER[1:], "-o", tmp_path / "out", "--horizon", 2)
+    assert done.returncode == 1
+    assert done.stdout.splitlines()[-1].startswith("NOT USABLE: 'v2' and 'v3' come within")
+
+
+def test_slips_are_said_before_the_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def never(*_: object, **_options: object) -> None:
+        raise InputError(UNCHECKED)
+
+    monkeypatch.setattr(design_module, "prepare", never)
+    done = gaincert("design", PAPER[0], "-o", tmp_path)
+    assert UNCHECKED in done.stderr
+    assert "warning: vehicles 'v1', 'v2': torque_limit = 55 N m could accelerate" in done.stdout
 
 
 def test_trying_a_folder_leaves_nothing(tmp_path: Path) -> None:
@@ -202,8 +229,7 @@ def test_a_run_whose_robots_cannot_move_ends_with_1_and_says_what_to_change(tmp_
     fleet.write_text(PAPER[0].read_text() + "\n[disturbance]\ncoulomb = 60\nsample_time = 0.02\n")
     done = gaincert("run", fleet, *PAPER[1:], "-o", tmp_path / "out", "--horizon", 2)
     assert done.returncode == 1
-    last = done.stdout.splitlines()[-2:]
-    assert all(line.startswith("NOT USABLE: ") for line in last)
+    assert done.stdout.splitlines()[-1].startswith("NOT USABLE: ")
     assert "friction of 60 N m at every wheel is more than the motors of" in done.stdout
     assert "correct torque_limit or coulomb, or take stronger motors" in done.stdout
     checked = gaincert("check", fleet)

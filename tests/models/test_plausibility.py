@@ -6,6 +6,7 @@ import pytest
 from gaincert.models.errors import InputError
 from gaincert.models.files.fleet_file import build_fleet, load_fleet
 from gaincert.models.files.templates import SHAPES, template_text
+from gaincert.models.fleet_tables import DisturbanceTable
 from gaincert.models.plausibility import slips, taken_to_be
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -52,6 +53,8 @@ def test_a_robot_is_said_in_words() -> None:
         ({"wheel_radius": 0.3}, "wheel_radius = 0.3 m is more than the track"),
         ({"torque_limit": 5.1}, "torque_limit = 5.1 N m could accelerate 3.2 kg at 91.1 m/s^2"),
         ({"inertia": 400}, "it is in kg m^2, not in kg cm^2"),
+        ({"wheel_inertia": 2}, "wheel_inertia = 2 kg m^2 adds 3.27e+03 kg to 3.2 kg"),
+        ({"footprint": 170}, "footprint = 170 m is the radius of a robot with wheels 240 mm apart"),
         ({"limits": {"turn_rate": 115}}, "use rad/s, not deg/s"),
         ({"limits": {"speed": 800}}, "it is in m/s, not in mm/s"),
         ({"limits": {"wheel_speed": 500}}, "it is in rad/s, not in rpm"),
@@ -59,7 +62,7 @@ def test_a_robot_is_said_in_words() -> None:
     ids=str,
 )
 def test_a_slip_of_all_vehicles_is_one_line_and_that_of_one_names_it(keys, part) -> None:
-    (line,) = slips(fleet_of(**keys))
+    line, *_ = slips(fleet_of(**keys))
     assert line.startswith("every vehicle: ") and part in line
     (line,) = slips(fleet_of(own=keys))
     assert line.startswith("vehicle 'a': ") and part in line
@@ -90,6 +93,32 @@ def test_two_robots_on_one_place_and_a_leader_in_degrees_are_said() -> None:
     ]
     (line,) = slips(fleet_of({"position": [0, 0], "heading": 225}))
     assert line.startswith("leader: heading = 225 rad is 35.8 turns")
+
+
+@pytest.mark.parametrize(
+    ("table", "part"),
+    [
+        (
+            {"sample_time": 50},
+            "sample_time = 50 s is late for any robot: it is a time in s, not in ms, and no rate in Hz",
+        ),
+        ({"delay": 40, "sample_time": 0.02}, "delay = 40 s is late for any robot: it is a time in s, not in ms"),
+    ],
+    ids=str,
+)
+def test_times_in_other_units_are_said(table, part) -> None:
+    fleet = fleet_of()
+    (line,) = slips(fleet.model_copy(update={"disturbance": DisturbanceTable.model_validate(table)}))
+    assert line == f"disturbance: {part}"
+
+
+def test_places_nearer_than_the_footprints_are_said() -> None:
+    (line,) = slips(fleet_of(footprint=0.13, own={"offset": [0.8, 0]}))
+    words = "their offsets are 0.2 m apart, and their footprints need 0.26 m: they collide there"
+    assert line == f"vehicles 'a' and 'b': {words}"
+    (line,) = slips(fleet_of(footprint=0.13, own={"start": {"position": [1, -1.9], "heading_deg": 0}}))
+    assert line.startswith("vehicles 'a' and 'b': their start positions are 0.1 m apart")
+    assert slips(fleet_of(footprint=0.13)) == []
 
 
 def test_different_numbers_of_one_slip_are_those_of_the_first_vehicle() -> None:

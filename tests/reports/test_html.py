@@ -173,6 +173,9 @@ def test_designs_in_folders_are_compared(folder, tmp_path):
     shutil.copytree(folder, tmp_path / "x")
     assert design_rows(tmp_path / "x") == []
     shutil.copytree(folder, tmp_path / "x" / "<other>")
+    shutil.copytree(folder, tmp_path / "x" / "of another fleet")
+    for path in (tmp_path / "x" / "of another fleet").glob("*.json"):
+        path.write_text(path.read_text().replace('"fleet_digest": "sha256:', '"fleet_digest": "sha256:0'))
     assert [row.name for row in design_rows(tmp_path / "x")] == ["this design", "<other>"]
     page = write_report(tmp_path / "x").read_text()
     assert "Designs side by side" in page

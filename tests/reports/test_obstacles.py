@@ -146,12 +146,25 @@ def test_a_bound_that_does_not_exist_is_called_so():
 
 
 @pytest.mark.parametrize(
-    ("sample", "largest", "count"), [(0.02, 0.05, 0), (0.05, 0.02, 1), (None, 0.1, 0), (0.1, None, 0)]
+    ("sample", "largest", "count"), [(0.02, 0.05, 0), (0.05, 0.02, 1), (None, 0.1, 0), (None, None, 0)]
 )
 def test_a_computer_that_is_too_slow_is_named(sample, largest, count):
     found = obstacles.of_control_rate(sample, largest)
     assert len(found) == count
     assert not found or "every 50 ms, and this design needs 20 ms or less" in found[0].what
+
+
+def test_a_disturbance_with_which_nothing_settles_is_named():
+    (found,) = obstacles.of_control_rate(0.02, None)
+    assert "not all ranking starts settle, however often the torques are computed" in found.what
+    assert "check delay, noise and friction and their units" in found.remedy
+
+
+def test_a_short_horizon_is_no_obstacle():
+    """A disturbed run that does not arrive in a time in which the nominal one does not either."""
+    late, arrived = (replace(SUMMARY, disturbance=None, settling_time=time) for time in (math.inf, 10.0))
+    assert obstacles.of_run(fleet_with(), replace(SUMMARY, nominal=late)) == []
+    assert len(obstacles.of_run(fleet_with(), replace(SUMMARY, nominal=arrived))) == 1
 
 
 def test_robots_that_collide_are_named_where_their_size_is_known():

@@ -125,7 +125,7 @@ class ValidationResults:
 
     def _settling(self) -> str:
         spread, tolerance = Spread.of(self.times)._asdict(), self.spec.tolerance
-        median, p90, latest = ("later" if time is None else f"{time:.4g} s" for time in spread.values())
+        median, p90, latest = ("not settled" if time is None else f"{time:.4g} s" for time in spread.values())
         return (
             f"{self.settled} of {len(self.results)} starts settle within {tolerance.position:g} m and "
             f"{tolerance.heading:g} rad by {self.spec.horizon:g} s: median {median}, 90 % by {p90}, slowest {latest}"
