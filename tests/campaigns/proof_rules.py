@@ -50,6 +50,8 @@ def _algebra() -> Rows:
         "a rate quadratic in a leader's weight": lambda: within_first_degree(generic().graph.leader_weight[0] ** 2),
         "a rate quadratic in an edge's weight": lambda: within_first_degree(generic().graph.weight[0] ** 2),
         "a claim without a fact": lambda: Claim("0 = 1", Kind.LEMMA, ()).facts[0],
+        "a positive letter times a sine": lambda: rules.ordered(0, "<=", A * sp.sin(Y)),
+        "a true inequality, refuted at a negative number": lambda: _negated(rules.ordered(0, "<=", Y**3 - Y**2 + Y)),
         "a product of two letters of unknown sign": lambda: rules.ordered(0, "<=", X * symbol("z")),
         "a hypothesis the wrong way round": lambda: rules.ordered(A, "<=", B, (Relation(A, ">=", B),)),
         "|x| <= a/2 from |x| <= a": lambda: rules.majorized(X, (SIZE,), A / 2),
@@ -149,6 +151,13 @@ def _inferences() -> Rows:
         ),
         "a second computation that is larger": lambda: computed_twice("mu", arb(1), arb(2)),
         "a second computation that is smaller": lambda: computed_twice("mu", arb(2), arb(1)),
+        **{
+            f"{left} {sign} {right}": lambda left=left, sign=sign, right=right: inferences.compared(
+                Relation(A, sign, B), {A: left, B: right}
+            )
+            for left, sign, right in ((2, "<=", 1), (1, "<", 1), (1, ">=", 2), (1, ">", 1), (1, "=", 2), (1, "!=", 1))
+        },
+        "3 <= sqrt 4": lambda: inferences.compared(Relation(sp.sqrt(A), ">=", 3), {A: arb(4)}),
         "a comparison of overlapping balls": lambda: inferences.compared(
             Relation(sp.sin(1) ** 2 + sp.cos(1) ** 2, "<=", sp.S.One), {}
         ),
@@ -166,12 +175,19 @@ def _flows() -> Rows:
         "that ends elsewhere": ([{1: 0, 2: 1, 3: -1}, {0: 0}, {0: -1}, {0: 1}], 1),
         "that the leader does not give": ([{1: 1, 2: -1, 3: 0}, {0: -1}, {0: 1}, {0: 0}], 1),
     }
+    star = [{1: 1, 2: 1, 3: 1, 4: 1}, {0: 1}, {0: 1}, {0: 1}, {0: 1}]
+    leaks = [{1: 1, 2: -1, 3: 1, 4: -1}, {0: -1}, {0: 1}, {0: -1}, {0: 1}]
     fed = symbol("vehicles_fed")
     return {
-        f"a flow {name}": lambda flow=flow, value=value: inferences.compared(
-            Relation(fed, "=", 1), {fed: int(carries(weights, flow, 1, value))}
-        )
-        for name, (flow, value) in false.items()
+        "a flow that springs from one vehicle and ends in another": lambda: inferences.compared(
+            Relation(fed, "=", 1), {fed: int(carries(star, leaks, 1, 1))}
+        ),
+        **{
+            f"a flow {name}": lambda flow=flow, value=value: inferences.compared(
+                Relation(fed, "=", 1), {fed: int(carries(weights, flow, 1, value))}
+            )
+            for name, (flow, value) in false.items()
+        },
     }
 
 

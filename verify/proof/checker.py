@@ -38,7 +38,7 @@ def symbolic() -> list[Claim]:
     formal = development()
     proved = lemmas(formal)
     by_id = {claim.id: claim for claim in proved}
-    attractive = by_id["thm-c"].facts[-1]
+    _stable, attractive = by_id["thm-c"].facts
     printed = [
         *model.claims(),
         *energies.claims(by_id["L9"]),

@@ -102,6 +102,7 @@ def symbol_of(fleet: SymbolicFleet, coordinate: str) -> Expr:
 
 
 Value = Ball | Fraction | int
+_OPPOSITE = {"<=": ">", "<": ">=", ">=": "<", ">": "<=", "=": "!="}
 
 
 def compared(
@@ -113,9 +114,15 @@ def compared(
     """
     relation = Relation(sp.sympify(relation.left), relation.sign, sp.sympify(relation.right))
     left, right, method = _sides(relation, values)
-    signs = {"<=": left <= right, "<": left < right, ">=": left >= right, ">": left > right, "=": left == right}
-    against = {"<=": left > right, "<": left >= right, ">=": left < right, ">": left <= right, "=": left != right}
-    holds = True if signs[relation.sign] else False if against[relation.sign] else None
+    true = {
+        "<=": left <= right,
+        "<": left < right,
+        ">=": left >= right,
+        ">": left > right,
+        "=": left == right,
+        "!=": left != right,
+    }
+    holds = True if true[relation.sign] else False if true[_OPPOSITE[relation.sign]] else None
     witness = Witness(tuple((point or {}).items()), _text(left), _text(right)) if holds is False else None
     shown = (_text(left), relation.sign, _text(right), *([of] if of else []))
     return Fact(relation, holds, method, witness=witness, values=shown)
@@ -127,7 +134,7 @@ def _sides(relation: Relation, values: Mapping[Expr, Value]) -> tuple[Value, Val
     sides = relation.left, relation.right
     numbers = [side.xreplace(exact) for side in sides]
     if all(number.is_Rational for number in numbers):
-        left, right = (Fraction(int(number.p), int(number.q)) for number in numbers)
+        left, right = (Fraction(number.p, number.q) for number in numbers)
         return left, right, Method.EXACT
     with precise():
         left, right = (evaluate(side, values) for side in sides)

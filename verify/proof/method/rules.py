@@ -155,7 +155,8 @@ def bounds_of(limits: Iterable[Fact]) -> dict[Expr, Expr]:
     limits = tuple(limits)
     if other := [fact.statement for fact in limits if fact.left.func is not sp.Abs or fact.sign not in ("<", "<=")]:
         raise ValueError(f"{other[0]} does not bound the size of anything from above")
-    return {normal_form(fact.left.args[0]).as_coeff_Mul()[1]: fact.right for fact in limits}
+    inside = ((argument, fact.right) for fact in limits for argument in fact.left.args)
+    return {normal_form(argument).as_coeff_Mul()[1]: bound for argument, bound in inside}
 
 
 def cauchy_schwarz(u: Vector, e: Vector, limits: Sequence[Fact], stated: Expr) -> Fact:

@@ -42,15 +42,15 @@ def moment_of_wheel_forces() -> Expr:
 def dynamics() -> list[Claim]:
     """(2), a convention, and what it is where R is half the distance between the wheels."""
     moment, sum_ = 2 * VI.R * (VI.tau_l - VI.tau_r) / VI.r, (VI.tau_l + VI.tau_r) / VI.r
-    physical = VI.R / VI.r * (VI.tau_r - VI.tau_l)
+    physical, rate = VI.R / VI.r * (VI.tau_r - VI.tau_l), VI.I * VI.w_dot
     return [
-        Claim("eq-2", Kind.PAPER, (identity(VI.m * VI.v_dot, sum_, U), identity(VI.I * VI.w_dot, moment, U))),
+        Claim("eq-2", Kind.PAPER, (identity(VI.m * VI.v_dot, sum_, U), identity(rate, moment, U))),
         Claim(
             "eq-2-physical",
             Kind.PAPER,
             (identity(moment, moment_of_wheel_forces()),),
-            truth=(identity(physical, moment_of_wheel_forces()), identity(physical, VI.I * VI.w_dot, PHYSICAL)),
-            quantity=VI.I * VI.w_dot,
+            truth=(identity(physical, moment_of_wheel_forces()), identity(physical, rate, PHYSICAL)),
+            quantity=rate,
         ),
     ]
 

@@ -29,11 +29,11 @@ def rate_power(psi: Excitation, turns: Fraction) -> tuple[Fraction, int] | None:
     """(q, j): the integral of psi'^2 over any window of length 2 pi `turns` is q pi^j; None where the window matters.
 
     Products of two tones are sums of tones at n w +- m w; each integrates to 0 over the window if and only if its
-    frequency times `turns` is a whole number other than 0.
+    frequency times `turns` is a whole number other than 0. Where 2 n w and n w - m w have that, so has n w + m w.
     """
     terms = psi.derivative().coefficients
-    tones = [Fraction(2 * n) for n, _, _ in terms]
-    tones += [Fraction(n + sign * m) for (n, _, _), (m, _, _) in combinations(terms, 2) for sign in (1, -1)]
+    tones = [2 * n for n, _, _ in terms]
+    tones += [n - m for (n, _, _), (m, _, _) in combinations(terms, 2)]
     if any((tone * psi.frequency * turns).denominator != 1 for tone in tones):
         return None
     squares = sum((c * c + s * s for _, s, c in terms), Fraction(0))

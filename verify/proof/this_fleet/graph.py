@@ -70,8 +70,8 @@ def cut_weight(graph: Graph, chosen: Iterable[int]) -> Fraction:
     """a_l(S) + cut(S)."""
     inside = set(chosen)
     edges = zip(graph.tail.tolist(), graph.head.tolist(), graph.weight, strict=True)
-    across = sum((Fraction(w) for i, j, w in edges if (i in inside) != (j in inside)), Fraction(0))
-    return across + sum((Fraction(graph.leader_weight[i]) for i in inside), Fraction(0))
+    across = (w for i, j, w in edges if (i in inside) != (j in inside))
+    return sum((*across, *(graph.leader_weight[i] for i in inside)), Fraction(0))
 
 
 def enumerated_cut(graph: Graph) -> Fraction:
