@@ -20,6 +20,7 @@ class Obstacle(NamedTuple):
 
     what: str
     remedy: str
+    possible: bool = False  # it may happen; runs say whether it does
 
     def __str__(self) -> str:
         return f"{self.what}; {self.remedy}"
@@ -50,15 +51,15 @@ def of_gains(rows: list[DemandRow], tolerance: Tolerance) -> list[Obstacle]:
     if not short:
         return []
     worst = max(short, key=lambda row: max(row.stops_within / tolerance.position, row.stops_turned / tolerance.heading))
+    turned = "at any heading" if math.isinf(worst.stops_turned) else f"up to {worst.stops_turned:.3g} rad off"
     where = (
-        "anywhere"
-        if math.isinf(worst.stops_within)
-        else f"up to {worst.stops_within:.3g} m and {worst.stops_turned:.3g} rad from its place"
+        "anywhere" if math.isinf(worst.stops_within) else f"up to {worst.stops_within:.3g} m from its place, {turned}"
     )
     what = (
         f"friction may hold {worst.vehicle!r} {where}, and {len(short)} of {len(rows)} vehicles outside the tolerance"
     )
-    return [Obstacle(what, "ask for a wider --tolerance, reduce the friction, or raise what holds the torques down")]
+    remedy = "ask for a wider --tolerance, reduce the friction, or raise what holds the torques down"
+    return [Obstacle(what, remedy, possible=True)]
 
 
 def of_control_rate(sample_time: float | None, largest: float | None) -> list[Obstacle]:

@@ -36,6 +36,7 @@ class Settings:
     explored: int = 960  # candidates
     exploration_batch: int = 240  # candidates at a time: the best so far limits how long the next are simulated
     exploration_spread: float = 0.8  # standard deviation, in logarithms
+    explored_friction: float = 0.5  # of the friction of the fleet's wheels
     exploration_share: float = 0.25  # of the work, after which it ends
     first_horizon: float = 64.0  # tau, and the way at top speed; doubled until enough candidates settle
     longest_horizon: float = 2.0**14  # the same

@@ -152,6 +152,12 @@ class Task:
         disturbance = Disturbance.of(self.fleet, self.tolerance, self.settings)
         return Setup(centred, self.excitation, self.tolerance, disturbance, self.settings)
 
+    @cached_property
+    def eased(self) -> Setup:
+        """The same with a part of the friction: random gains seldom move a robot near its goal against all of it."""
+        old, share = self.setup.disturbance, self.settings.explored_friction
+        return replace(self.setup, disturbance=replace(old, coulomb=share * old.coulomb, viscous=share * old.viscous))
+
     def far_starts(self, draw: Draw, count: int) -> Array:
         """The fleet's own start, if it has one, and random ones, (5, N, S) singles; at most `count`, fewer if large."""
         count = max(1, min(count, self.settings.starts_vehicles // len(self.fleet)))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from .certify import certify_gains
 from .inputs import ALL_CORES, Pool, check_folder
-from .obstacles import obstacles_of, say_slips
+from .obstacles import confirmed, obstacles_of, say_slips
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -93,7 +93,10 @@ def design_fleet(
     certificate = certify_gains(printer, fleet, gains, design.conditions.name, folder)
     if stale := stale_files(folder, Digests.of_json(document)):
         printer.say(f"note: {say_stale(stale)}")
-    obstacles = [*obstacles_of(printer, fleet, gains, design.tolerance), *_control_rate(design)]
+    obstacles = obstacles_of(printer, fleet, gains, design.tolerance)
+    if all(map(math.isfinite, design.settling_held)):
+        obstacles = confirmed(printer, obstacles, f"all of {len(design.settling_held)} starts with friction")
+    obstacles += _control_rate(design)
     return Designed(design, document, certificate, obstacles)
 
 

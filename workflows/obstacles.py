@@ -24,6 +24,12 @@ def obstacles_of(printer: Printer, fleet: Fleet, gains: GainsFile, tolerance: To
     return of_fleet(fleet) or of_gains(rows, tolerance)
 
 
+def confirmed(printer: Printer, obstacles: Sequence[Obstacle], runs: str) -> list[Obstacle]:
+    """The obstacles that stay where `runs` with the fleet's disturbance settle; what may happen becomes a note."""
+    printer.say(*(f"note: {one.what}; {runs} settle all the same" for one in obstacles if one.possible))
+    return [one for one in obstacles if not one.possible]
+
+
 def say_slips(printer: Printer, fleet: Fleet) -> None:
     """Print one line for each kind of entry that is most likely a slip, before work is spent on it."""
     from ..models.plausibility import slips

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..console import Outcome
 from . import certify, design, prove, simulate
-from .obstacles import obstacles_of, say_obstacles, say_slips
+from .obstacles import confirmed, obstacles_of, say_obstacles, say_slips
 
 if TYPE_CHECKING:
     from ..console import Printer
@@ -60,6 +60,8 @@ class Pipeline:
             simulated = simulate.simulate_schemes(printer, fleet, gains, self.simulation, folder)
             document["summary"] = simulated.document
             true = true and not simulated.false_claims
+            if simulated.summary.disturbance is not None and simulated.summary.settled:
+                obstacles = confirmed(printer, obstacles, "the vehicles of this run")
             obstacles = [*obstacles, *simulated.obstacles]
         path = write_report(folder)
         printer.say(f"report: {path}")

@@ -11,6 +11,7 @@ import numpy as np
 from ...models.starts import Draw
 from ..cost import cost
 from ..measurement import StartSet, controls_of, measure_all
+from ..rollouts.columns import Setup
 from ..rollouts.runge_kutta import Array
 from ..task import Proposal, Task
 
@@ -49,8 +50,9 @@ class Comparison:
         return costs
 
     def explored(self, proposals: Sequence[Proposal], horizon: float) -> Array:
-        """Costs (s) over a few starts, up to a horizon in s."""
-        return self._costs(proposals, self._next_starts(self.settings.explored_starts, again=True), horizon)
+        """Costs (s) over a few starts, up to a horizon in s, with a part of the friction."""
+        starts = self._next_starts(self.settings.explored_starts, again=True)
+        return self._costs(proposals, starts, horizon, self.task.eased)
 
     def learned(self, proposals: Sequence[Proposal]) -> Array:
         """Costs (s) over the next training starts."""
@@ -65,9 +67,11 @@ class Comparison:
         self._next += 0 if again else count
         return StartSet.halves(far[..., chosen], near[..., chosen_near])
 
-    def _costs(self, proposals: Sequence[Proposal], starts: StartSet, horizon: float) -> Array:
+    def _costs(
+        self, proposals: Sequence[Proposal], starts: StartSet, horizon: float, setup: Setup | None = None
+    ) -> Array:
         if not proposals:
             return np.zeros(0)
-        outcomes = measure_all(self.task.setup, controls_of(proposals), starts, horizon, self.executor)
+        outcomes = measure_all(setup or self.task.setup, controls_of(proposals), starts, horizon, self.executor)
         self.work += float(outcomes.work.sum())
         return cost(outcomes.time, outcomes.excess, horizon, self.settings)

@@ -8,6 +8,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
+from gaincert.console import Printer
 from gaincert.models.algebra.ops import numpy_ops
 from gaincert.models.arrays import floats
 from gaincert.models.equations import State, control
@@ -24,6 +25,7 @@ from gaincert.verify.simulation.room import Room, _among_all, _by_tree
 from gaincert.verify.simulation.settling import Approach
 from gaincert.verify.simulation.summary import Summary
 from gaincert.verify.simulation.trajectory import Trajectory
+from gaincert.workflows.obstacles import confirmed
 
 
 def fleet_with(coulomb=0.0, footprint=None):
@@ -93,10 +95,21 @@ def test_friction_near_the_goal_is_said_with_the_distance():
     position, heading = max(row.stops_within for row in rows), max(row.stops_turned for row in rows)
     assert 0.1 < position < math.inf and 0.1 < heading < math.inf
     (found,) = obstacles.of_gains(rows, Tolerance())
-    assert re.search(r"friction may hold 'v\d' up to \d\.\d+ m and \d\.\d+ rad from its place, and", found.what)
+    assert re.search(r"friction may hold 'v\d' up to \d\.\d+ m from its place, up to \d\.\d+ rad off, and", found.what)
     assert obstacles.of_gains(rows, Tolerance(1.01 * position, 1.01 * heading)) == []
     for one in (Tolerance(1.01 * position, 0.99 * heading), Tolerance(0.99 * position, 1.01 * heading)):
         assert len(obstacles.of_gains(rows, one)) == 1
+
+
+def test_what_friction_may_do_is_a_note_where_runs_settle_all_the_same(capsys):
+    (may,) = obstacles.of_gains(rows_with(0.1), Tolerance())
+    (does,) = obstacles.of_gains(rows_with(30), Tolerance())
+    assert confirmed(
+        Printer(json=False, quiet=False, verbose=False), [may, does], "all of 100 starts with friction"
+    ) == [does]
+    said = "".join(capsys.readouterr())
+    assert f"note: {may.what}; all of 100 starts with friction settle all the same" in said
+    assert does.what not in said
 
 
 def test_friction_that_no_turn_overcomes_holds_a_robot_anywhere():

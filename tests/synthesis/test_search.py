@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 from gaincert.models.errors import InputError
 from gaincert.models.files.templates import template_text
+from gaincert.models.fleet_tables import DisturbanceTable
 from gaincert.models.paper import paper_fleet
 from gaincert.models.starts import Draw, random_starts, scale
 from gaincert.parallel import local
@@ -23,6 +24,7 @@ from gaincert.synthesis import measurement
 from gaincert.synthesis.cost import cost
 from gaincert.synthesis.design import design, incumbents
 from gaincert.synthesis.measurement import StartSet, controls_of, measure_all
+from gaincert.synthesis.rollouts.columns import Setup
 from gaincert.synthesis.rollouts.settling import Outcomes
 from gaincert.synthesis.search import comparison, ranking
 from gaincert.synthesis.search import search as search_module
@@ -224,6 +226,28 @@ def test_near_starts_are_an_even_third_of_the_far_ones() -> None:
         count = FAST.near_count(far)
         assert count % 2 == 0
         assert count == 2 or abs(count - FAST.near_share * far) <= 1
+
+
+def test_candidates_are_explored_with_a_part_of_the_friction(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And everything else of the disturbance; compared and ranked with all of it."""
+    table = DisturbanceTable(sample_time="0.02", delay="0.04", coulomb="0.2", viscous="0.1")
+    task = prepare(paper_fleet().model_copy(update={"disturbance": table}), Options(seed=3), TINY)
+    eased, whole = task.eased.disturbance, task.setup.disturbance
+    assert replace(eased, coulomb=whole.coulomb, viscous=whole.viscous) == whole
+    assert (eased.coulomb, eased.viscous) == (FAST.explored_friction * 0.2, FAST.explored_friction * 0.1)
+    met = []
+
+    def noted(setup: Setup, *rest: Any) -> Outcomes:
+        met.append(setup.disturbance)
+        return measure_all(setup, *rest)
+
+    monkeypatch.setattr(comparison, "measure_all", noted)
+    compared, proposal = Comparison(task, None), task.proposal("", task.typical)
+    compared.explored([proposal], 1.0)
+    compared.least = 0.1
+    compared.compared([proposal])
+    compared.learned([proposal])
+    assert met == [eased, whole, whole]
 
 
 def test_near_starts_have_to_settle_within_a_part_of_the_tolerance() -> None:
