@@ -110,6 +110,8 @@ _ARGUED = {
         "Quotation(\"not Barbalat's lemma\", 'Khalil, Nonlinear Systems, Lemma 8.2', \"f -> 0 where the integral of f "
         "converges and f' is bounded\")",
     ): SAID,
+    ("method/ball.py", "_power", "2 * exponent", "2 / exponent"): "a root is taken, or the power by its logarithm",
+    ("printed/boundedness.py", "_subsets", "n + 1", "n + 2"): "n things have no more than n of them",
     ("method/rules.py", "_separating_point", "right.free_symbols", "left.free_symbols"): (
         "where the sides are given, the right one has no letters of its own"
     ),
