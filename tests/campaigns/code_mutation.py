@@ -69,6 +69,41 @@ SHOWN = "for people to read: more digits than are shown"
 FINER = "finer, or coarser by as little: the enclosure holds all the same"
 SHARED = "shared or not, the numbers are the same"
 TWICE, SOME, ALL = "2 * len((distinct := set(texts)))", "len(chosen)", "len(self.columns[0])"
+LAST_PLACE = "one unit in the last of some hundred places, where a side is irrational or is stated with slack"
+_BOUNDS = (
+    "(200, 80) -> (200, 81)", "(200, 80) -> (200, 79)", "10 ** 4 -> 10 * 4", "10 ** 4 -> 11 ** 4", "10 ** 4 -> 9 ** 4",
+    "10 ** 4 -> 10 ** 5", "10 ** 4 -> 10 ** 3",
+)  # fmt: skip
+_UNITS = (
+    "10 ** 15 -> 11 ** 15", "10 ** 15 -> 9 ** 15", "10 ** 15 -> 10 ** 16", "10 ** 15 -> 10 ** 14",
+    "10 ** 80 -> 11 ** 80", "10 ** 80 -> 9 ** 80", "10 ** 80 -> 10 ** 81", "10 ** 80 -> 10 ** 79",
+)  # fmt: skip
+_HALVINGS = "(2 * p).bit_length() - q.bit_length() + 1"
+_TANH = (
+    "p < 100 * q -> p <= 100 * q", "100 * q -> 101 * q", "(100, 1) -> (99, 1)", "2 * p -> 3 * p", "2 * p -> 1 * p",
+    f"max(0, {_HALVINGS}) -> max(1, {_HALVINGS})",
+    *(f"{_HALVINGS} -> {_HALVINGS[:-3]}{end}" for end in ("- 1", "+ 2", "+ 0")),
+)  # fmt: skip
+_SINGLE = (
+    ("read_claims", "column(psi_bar, 'psi_bar', 1)"),
+    ("read_psi", "reader.column(mean, 'excitation: mean', 1, None)"),
+    ("read_rates", "reader.column(rate, name, 1)"),
+)
+_TURN = ("2 * (v.k_alpha * c.psi_bar * v.degree * b) ** 2", "v.d_omega * a * c.unit ** 2, b * c.unit ** 2")
+_PULL = ("2 * (v.p_v * v.degree * b) ** 2", "v.d_v * a * c.unit, b * c.unit")
+_ROW = (
+    "below * u2 * (p * s * row - gamma * d * scale * own) + gamma * gamma * least * scale * s * own",
+    "rates",
+)
+_LAST = (
+    *(("condition_15", f"({_TURN[0]}, 0, {_TURN[1]}) -> ({_TURN[0]}, {n}, {_TURN[1]})") for n in (1, -1)),
+    *(("speed", f"({_PULL[0]}, 0, {_PULL[1]}) -> ({_PULL[0]}, {n}, {_PULL[1]})") for n in (1, -1)),
+    (_ROW[1], f"{_ROW[0]} < 0 -> {_ROW[0]} < -1"),
+)
+_VEHICLE = (
+    "namedtuple('Vehicle', 'degree mass_low mass_high inertia_low inertia_high arm_low arm_high r_low r_high wheel_low "
+    "wheel_high torque position_scale speed_scale p_v d_v heading_scale turn_rate_scale p_omega d_omega k_alpha')"
+)
 ARGUED: dict[tuple[str, str, str], str] = {
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 1000001.0"): "any number beyond all N and N m serves",
     ("conditions", "", "NEVER_BINDS = 1000000.0 -> NEVER_BINDS = 999999.0"): "any number beyond all N and N m serves",
@@ -81,12 +116,19 @@ ARGUED: dict[tuple[str, str, str], str] = {
     ("kernel", "integers", f"{TWICE} < len(texts) -> {TWICE} <= len(texts)"): SHARED,
     ("kernel", "integers", f"{TWICE} -> {TWICE.replace('*', '/')}"): SHARED,
     ("kernel", "integers", f"{TWICE} -> {TWICE.replace('2', '1')}"): SHARED,
-    ("kernel", "integers", f"{TWICE} -> {TWICE.replace('2', '3')}"): SHARED,
-    ("kernel", "integers", "set(texts) -> texts"): SHARED,
     ("kernel", "", "10 ** 6 -> 11 ** 6"): WORK,
     ("kernel", "", "10 ** 6 -> 9 ** 6"): WORK,
     ("kernel", "", "10 ** 6 -> 10 ** 7"): WORK,
-    ("kernel", "", "10 ** 6 -> 10 ** 5"): "the test of a flat-topped psi, left out here for its time, fails on it",
+    ("kernel", "theorem", "weight > 0 -> weight > 1"): "no weight is the smallest unit of the file",
+    ("kernel", "bounded_on_half", "default=0 -> default=1"): "there is an arc",
+    ("kernel", "wheel_speed", "max(left, 0) -> max(left, -1)"): "a limit of 0 or less holds for nothing",
+    **{("kernel", "", change): WORK for change in _BOUNDS},
+    **{("kernel", "", change): FINER for change in _UNITS},
+    **{("kernel", "tanh_below", change): FINER for change in _TANH},
+    **{("kernel", function, f"{column}[0] -> {column}[-1]"): ONE_NUMBER for function, column in _SINGLE},
+    **{("kernel", function, change): LAST_PLACE for function, change in _LAST},
+    ("kernel", "read_rates", "10 ** MAX_WHOLE -> 11 ** MAX_WHOLE"): WORK,
+    ("kernel", "", f"{_VEHICLE} -> {_VEHICLE.replace('Vehicle', 'VehicleX', 1)}"): SHOWN,
 }
 
 

@@ -162,7 +162,7 @@ BROKEN: list[tuple[str, Change]] = [
     ("half_track: all must be > 0 (A2)", lambda c: c["fleet"].update(half_track="-1 1 1 1 1 1")),
     ("wheel_inertia: all must be >= 0", lambda c: c["fleet"].update(wheel_inertia="-1 1 1 1 1 1")),
     ("edges must be in rising order", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 2 3 3", head="1 5 2 3 3 4 4")),
-    ("edges must be in rising order", lambda c: c["fleet"]["edges"].update(tail="0 1 0 1 2 3 4")),
+    ("well_formed: edges must be in rising order", lambda c: c["fleet"]["edges"].update(tail="0 1 0 1 2 3 4")),
     ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 3 3 4")),
     ("an edge must join a vehicle to a later", lambda c: c["fleet"]["edges"].update(tail="0 0 1 1 4 3 4")),
     ("edges: all must be from 0 to 5", lambda c: c["fleet"]["edges"].update(head="1 5 2 3 3 4 6")),
