@@ -57,6 +57,10 @@ class Settings:
     separate_vehicles: int = 12  # the largest fleet in which every vehicle has its own
     roles_vehicles: int = 40  # the largest fleet in which every role in the graph has its own
 
+    # In larger fleets the scalars are searched on a part.
+    part_vehicles: int = 12  # linked vehicles around the slowest
+    part_elite: int = 2  # best candidates of the part that are ranked in the whole
+
     # How far candidates are simulated, in multiples of the least cost so far.
     explored_horizon: float = 3.0
     learned_horizon: float = 4.0

@@ -10,6 +10,7 @@ from ..task import Progress, Proposal, Task
 from .comparison import Comparison
 from .exploration import Scored, distinct, explore
 from .halving import Run, halve
+from .part import part_of
 from .space import Point, Space
 
 LOG = logging.getLogger(__name__)
@@ -20,16 +21,17 @@ def search(task: Task, incumbents: Sequence[Proposal], executor: Executor | None
 
     The landscape has many basins: typical scalars, those of the incumbents and random ones around them are tried, the
     best `basins` go on for some generations, the better half of those again, and so on; then, with `separate_gains`,
-    the best go on with separate gains and scales. For one seed the result is the same on every machine.
+    the best go on with separate gains and scales. Scalars of a large fleet are searched on a part of it. For one seed
+    the result is the same on every machine.
     """
-    settings, space = task.settings, Space.of(task)
+    settings, part = task.settings, part_of(task)
     if not settings.work:
         return list(incumbents)
-    comparison = Comparison(task, executor)
+    space, comparison = Space.of(part), Comparison(part, executor)
     elite: list[Scored] = []
     met: list[tuple[Space, Point]] = []
     try:
-        centres = [space.point(task.typical), *(space.point(one.scalars) for one in incumbents if one.scalars)]
+        centres = [space.point(part.typical), *(space.point(one.scalars) for one in incumbents if one.scalars)]
         explored = explore(comparison, space, centres, progress)
         begins = distinct(explored, settings.basin_distance, settings.basins)
         runs = [Run(space, begin, settings.population, settings.spread) for begin in begins]
@@ -49,4 +51,8 @@ def search(task: Task, incumbents: Sequence[Proposal], executor: Executor | None
     except (ArithmeticError, AssertionError, RuntimeError, ValueError) as error:
         LOG.warning("time-domain search: broken off: %s: %s", type(error).__name__, error)
     met = [*((space, point) for _, point in elite), *met]
-    return [*(where.proposal(point) for where, point in met), *incumbents]
+    proposals = [where.proposal(point) for where, point in met]
+    if part is not task and proposals:  # to simulate the whole takes long
+        whole = [task.proposal(one.origin, one.scalars) for one in proposals if one.scalars]
+        return whole[: settings.part_elite]
+    return [*proposals, *incumbents]
