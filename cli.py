@@ -101,10 +101,8 @@ def design(
     fleet = read_fleet(fleet_path)
     if against is not None:
         read_gains(against, fleet)  # report its mistakes before the work begins
-    settled = tolerance_of(tolerance)
-    options = DesignOptions(
-        mode, conditions, excitation, saturation, weights, seed, digits, time_limit, settled, torque_factor, box
-    )
+    limits = time_limit, tolerance_of(tolerance), torque_factor, box
+    options = DesignOptions(mode, conditions, excitation, saturation, weights, seed, digits, *limits)
     designed = design_fleet(printer, fleet, options, folder, Pool(workers, scheduler))
     document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
     if compare or against is not None:
@@ -166,12 +164,10 @@ def simulate(
     fleet = read_fleet(fleet_path)
     chosen = read_gains(gains, fleet)
     disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
-    real = disturbed.of(fleet, seed)
-    simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, real)
+    simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbed.of(fleet, seed))
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     say_obstacles(printer, simulated.obstacles)
-    content = {**simulated.document, "obstacles": list(map(str, simulated.obstacles))}
-    return Outcome.of(content, true=not simulated.false_claims and not simulated.obstacles)
+    return Outcome.of(simulated.document, true=not simulated.false_claims and not simulated.obstacles)
 
 
 @verb
@@ -205,8 +201,7 @@ def validate(
     """Simulate from many starts; continues an interrupted validation."""
     fleet = read_fleet(fleet_path)
     chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
-    count = starts if replay is None else max(starts, replay + 1)
-    drawn = Starts.of(fleet, StartOptions(count, starts_file, seed, box))
+    drawn = Starts.of(fleet, StartOptions(max(starts, -1 if replay is None else replay + 1), starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
     disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
     real = disturbed.of(fleet, seed)

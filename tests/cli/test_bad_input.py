@@ -535,8 +535,8 @@ def outputs() -> list[Bad]:
     full = r"cannot be written: File too large; free some space and try again"
     simulate = ("simulate", *GIVEN, "--horizon", "1")
     return [
-        place("a file where DIR should be", "f", "File exists", f=""),
-        place("a file above DIR", "f/out", "(Not a directory|File exists)", f=""),
+        place("a file where DIR should be", "f", "f is a file, not a folder", f=""),
+        place("a file above DIR", "f/out", "f is a file, not a folder", f=""),
         place("a device above DIR", "/dev/null/out", "(Not a directory|File exists)"),
         place("/proc", "/proc/out", "No such file"),
         place("a dangling link", "l", "File exists", l=link_to("nowhere/at/all")),

@@ -60,7 +60,7 @@ def test_the_hint_is_the_same_pose_and_within_half_a_turn(leader, error):
         nearer = float(re.search(r"heading_deg = (\S+) is", hint)[1])
         assert abs(nearer - leader) <= 180 + 1e-6
         assert math.remainder(nearer - (leader + error), 360) == pytest.approx(0, abs=1e-6)
-        assert f"starts {abs(error) / 360:.3g} turns" in hint
+        assert f"starts {abs(error):.4g} degrees from the leader's heading" in hint
 
 
 def test_a_vehicle_without_start_has_no_hint():
