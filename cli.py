@@ -101,8 +101,8 @@ def design(
     fleet = read_fleet(fleet_path)
     if against is not None:
         read_gains(against, fleet)  # report its mistakes before the work begins
-    limits = time_limit, tolerance_of(tolerance), torque_factor, box
-    options = DesignOptions(mode, conditions, excitation, saturation, weights, seed, digits, *limits)
+    demands = time_limit, tolerance_of(tolerance), torque_factor, box
+    options = DesignOptions(mode, conditions, excitation, saturation, weights, seed, digits, *demands)
     designed = design_fleet(printer, fleet, options, folder, Pool(workers, scheduler))
     document = {**designed.document, "certificate": certificate_json(designed.certificate, conditions, folder)}
     if compare or against is not None:
@@ -201,7 +201,7 @@ def validate(
     """Simulate from many starts; continues an interrupted validation."""
     fleet = read_fleet(fleet_path)
     chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
-    drawn = Starts.of(fleet, StartOptions(max(starts, -1 if replay is None else replay + 1), starts_file, seed, box))
+    drawn = Starts.of(fleet, StartOptions(max(starts, 0 if replay is None else replay + 1), starts_file, seed, box))
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
     disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
     real = disturbed.of(fleet, seed)

@@ -139,7 +139,7 @@ def plot_wheel_torques(fleet: Fleet, run: Trajectory, axes: Any = None) -> Any:
 def _at_work(t: Floats, largest: Floats) -> int:
     """How many points of a run there are up to some time after the last torque that counts."""
     last = float(t[np.flatnonzero(largest >= IDLE * largest.max())[-1]])
-    return int(np.searchsorted(t, 1.2 * last, side="right"))
+    return max(2, int(np.searchsorted(t, 1.2 * last, side="right")))
 
 
 def plot_energies(fleet: Fleet, run: Trajectory, axis: Any = None) -> Any:  # noqa: ARG001 -- as all plots

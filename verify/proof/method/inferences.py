@@ -102,7 +102,7 @@ def symbol_of(fleet: SymbolicFleet, coordinate: str) -> Expr:
 
 
 Value = Ball | Fraction | int
-_OPPOSITE = {"<=": ">", "<": ">=", ">=": "<", ">": "<=", "=": "!="}
+_OPPOSITE = {"<=": ">", "<": ">=", ">=": "<", ">": "<=", "=": "!=", "!=": "="}
 
 
 def compared(
