@@ -53,6 +53,6 @@ def search(task: Task, incumbents: Sequence[Proposal], executor: Executor | None
     met = [*((space, point) for _, point in elite), *met]
     proposals = [where.proposal(point) for where, point in met]
     if part is not task and proposals:  # to simulate the whole takes long
-        best = proposals[: settings.part_elite]
-        return [task.proposal(one.origin, one.scalars) for one in best if one.scalars]
+        ranked = proposals[: settings.part_elite]
+        return [task.proposal(one.origin, one.scalars) for one in ranked if one.scalars]
     return [*proposals, *incumbents]
