@@ -57,7 +57,7 @@ def check_formally(printer: Printer) -> bool:
     from ..verify.formal import check
     from ..verify.proof.formal import development
 
-    printer.say("compiling verify/formal: some minutes")
+    printer.say("compiling verify/formal: about a minute")
     try:
         record = check.check()
     except check.MissingToolError as error:

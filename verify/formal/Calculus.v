@@ -140,13 +140,6 @@ Proof.
   rewrite E. apply Rmult_le_compat_r; lra.
 Qed.
 
-Lemma increment_ge : forall (f : R -> R) (a b B : R), a <= b ->
-  (forall t, a <= t <= b -> exists l, is_derive f t l /\ B <= l) -> B * (b - a) <= f b - f a.
-Proof.
-  intros f a b B Hab H. destruct (mean_value_property f (fun _ l => B <= l) a b Hab H) as [c [l [_ [Hl E]]]].
-  rewrite E. apply Rmult_le_compat_r; lra.
-Qed.
-
 Lemma increment_abs : forall (f : R -> R) (a b B : R), a <= b ->
   (forall t, a <= t <= b -> exists l, is_derive f t l /\ Rabs l <= B) -> Rabs (f b - f a) <= B * (b - a).
 Proof.
@@ -157,16 +150,6 @@ Qed.
 Lemma decreasing_of_derivative : forall (f : R -> R) (a b : R), a <= b ->
   (forall t, a <= t <= b -> exists l, is_derive f t l /\ l <= 0) -> f b <= f a.
 Proof. intros f a b Hab H. assert (A := increment_le f a b 0 Hab H). lra. Qed.
-
-Lemma increasing_of_derivative : forall (f : R -> R) (a b : R), a <= b ->
-  (forall t, a <= t <= b -> exists l, is_derive f t l /\ 0 <= l) -> f a <= f b.
-Proof. intros f a b Hab H. assert (A := increment_ge f a b 0 Hab H). lra. Qed.
-
-Lemma constant_of_derivative : forall (f : R -> R) (a b : R), a <= b ->
-  (forall t, a <= t <= b -> is_derive f t 0) -> f b = f a.
-Proof.
-  intros f a b Hab H. destruct (mean_value f (fun _ => 0) a b Hab H) as [c [_ E]]. lra.
-Qed.
 
 (** If f falls at least as fast as g grows (f' <= - g'), then f + g does not grow. *)
 Lemma compare_increments : forall (f g : R -> R) (a b : R), a <= b ->
@@ -181,16 +164,3 @@ Proof.
 Qed.
 
 (** ** The integral of a continuous derivative is the increment *)
-Lemma integral_of_derivative : forall (f df : R -> R) (a b : R), a <= b ->
-  (forall t, a <= t <= b -> is_derive f t (df t)) -> (forall t, a <= t <= b -> continuous df t) ->
-  is_RInt df a b (f b - f a).
-Proof.
-  intros f df a b Hab H C. apply (is_RInt_derive f df a b).
-  - intros t Ht. rewrite Rmin_left, Rmax_right in Ht by exact Hab. apply H; exact Ht.
-  - intros t Ht. rewrite Rmin_left, Rmax_right in Ht by exact Hab. apply C; exact Ht.
-Qed.
-
-Lemma RInt_of_derivative : forall (f df : R -> R) (a b : R), a <= b ->
-  (forall t, a <= t <= b -> is_derive f t (df t)) -> (forall t, a <= t <= b -> continuous df t) ->
-  RInt df a b = f b - f a.
-Proof. intros f df a b Hab H C. apply is_RInt_unique, integral_of_derivative; assumption. Qed.

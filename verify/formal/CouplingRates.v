@@ -1,6 +1,6 @@
-(** * CouplingRates.v : how fast the pulls of the network change (L1, second half, and q', b' of L4).
+(** * CouplingRates.v : how fast the pulls of the network change (L1, second half, and q' of L4).
     A saturated position error has slope at most 1 / scale, so the network's pull changes no faster than the speeds.
-    The pulls along and across a vehicle's heading also turn into each other at its turn rate. *)
+    As a vehicle turns, the pull across its heading becomes one along it, at its turn rate. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
 From Gaincert Require Import Statement Sums Saturations Calculus PullBounds EnergyDerivatives.
@@ -13,17 +13,13 @@ Definition coupling_rate (F : fleet) (scale : R) (z dz : nat -> R) (i : nat) : R
 
 Definition ex_rate (F : fleet) (s : state) i := coupling_rate F (ls F) (zx F s) (fun j => cos (th s j) * v s j) i.
 Definition ey_rate (F : fleet) (s : state) i := coupling_rate F (ls F) (zy F s) (fun j => sin (th s j) * v s j) i.
-Definition eth_rate (F : fleet) (s : state) i := coupling_rate F (rs F) (tha F s) (om s) i.
 
-(** The network's part of the derivatives of the pulls along and across: phi^T e_z' and phi_perp^T e_z'. *)
+(** The network's part of the derivative of the pull along: phi^T e_z'. *)
 Definition along_rate (F : fleet) (s : state) i := cos (th s i) * ex_rate F s i + sin (th s i) * ey_rate F s i.
-Definition across_rate (F : fleet) (s : state) i := - sin (th s i) * ex_rate F s i + cos (th s i) * ey_rate F s i.
 
-(** Their bounds: the weighted speeds (turn rates) of a vehicle and its neighbours, over the scale. *)
+(** Its bound: the weighted speeds of a vehicle and its neighbours, over the scale. *)
 Definition speed_spread (F : fleet) (s : state) i :=
   (deg F i * Rabs (v s i) + sum (N F) (fun j => a F i j * Rabs (v s j))) / ls F.
-Definition turn_spread (F : fleet) (s : state) i :=
-  (deg F i * Rabs (om s i) + sum (N F) (fun j => a F i j * Rabs (om s j))) / rs F.
 
 (** ** Derivatives *)
 Lemma coupling_derivative : forall F scale (Z : R -> nat -> R) t (dz : nat -> R) i, (i < N F)%nat ->
@@ -52,14 +48,6 @@ Proof.
   intros j Hj. apply (zy_derivative F t0); assumption.
 Qed.
 
-Lemma eth_derivative : forall F t0 X t i, solution F t0 X -> t0 <= t -> (i < N F)%nat ->
-  is_derive (fun r => eth F (X r) i) t (eth_rate F (X t) i).
-Proof.
-  intros F t0 X t i HX Ht Hi.
-  apply (coupling_derivative F (rs F) (fun r => tha F (X r)) t (om (X t))); [exact Hi|].
-  intros j Hj. apply (tha_derivative F t0); assumption.
-Qed.
-
 Lemma heading_derivative : forall F t0 X t i, solution F t0 X -> t0 <= t -> (i < N F)%nat ->
   is_derive (fun r => th (X r) i) t (om (X t) i).
 Proof. intros F t0 X t i HX Ht Hi. apply (HX i Hi t Ht). Qed.
@@ -81,25 +69,6 @@ Proof.
       * apply derive_sin; exact Dth.
       * apply (ey_derivative F t0); assumption.
   - unfold across, along_rate. ring.
-Qed.
-
-(** b' = - w q + phi_perp^T e_z'. *)
-Lemma across_derivative : forall F t0 X t i, solution F t0 X -> t0 <= t -> (i < N F)%nat ->
-  is_derive (fun r => across F (X r) i) t (- om (X t) i * along F (X t) i + across_rate F (X t) i).
-Proof.
-  intros F t0 X t i HX Ht Hi. assert (Dth := heading_derivative F t0 X t i HX Ht Hi).
-  unfold across.
-  apply (derive_value _ t
-    (- (cos (th (X t) i) * om (X t) i) * ex F (X t) i + - sin (th (X t) i) * ex_rate F (X t) i
-     + ((- sin (th (X t) i) * om (X t) i) * ey F (X t) i + cos (th (X t) i) * ey_rate F (X t) i))).
-  - apply derive_plus.
-    + apply (derive_mult (fun r => - sin (th (X r) i)) (fun r => ex F (X r) i)).
-      * apply derive_opp, derive_sin; exact Dth.
-      * apply (ex_derivative F t0); assumption.
-    + apply (derive_mult (fun r => cos (th (X r) i)) (fun r => ey F (X r) i)).
-      * apply derive_cos; exact Dth.
-      * apply (ey_derivative F t0); assumption.
-  - unfold along, across_rate. ring.
 Qed.
 
 (** ** Bounds *)
@@ -162,32 +131,6 @@ Lemma along_rate_bound : forall F s i, A1 F -> 0 < ls F -> (i < N F)%nat ->
   Rabs (along_rate F s i) <= speed_spread F s i.
 Proof. intros F s i H1 Hls Hi. apply pull_rate_bound; [exact H1|exact Hls|exact Hi|apply unit_circle]. Qed.
 
-Lemma across_rate_bound : forall F s i, A1 F -> 0 < ls F -> (i < N F)%nat ->
-  Rabs (across_rate F s i) <= speed_spread F s i.
-Proof.
-  intros F s i H1 Hls Hi. apply pull_rate_bound; [exact H1|exact Hls|exact Hi|].
-  assert (A := unit_circle (th s i)). lra.
-Qed.
-
-Lemma eth_rate_bound : forall F s i, A1 F -> 0 < rs F -> (i < N F)%nat ->
-  Rabs (eth_rate F s i) <= turn_spread F s i.
-Proof.
-  intros F s i [Ha [Hal _]] Hrs Hi. unfold eth_rate, coupling_rate, turn_spread.
-  assert (B : forall g x, 0 <= g <= 1 -> Rabs (g * (x / rs F)) <= Rabs x / rs F).
-  { intros g x Hg. rewrite Rabs_mult, (Rabs_pos_eq g), abs_div_pos by lra.
-    assert (P := div_nonneg (Rabs x) (rs F) (Rabs_pos x) Hrs). nra. }
-  unfold deg. rewrite Rmult_plus_distr_r, <- sum_scal_r, Rplus_assoc, <- sum_plus.
-  unfold Rdiv at 5. rewrite Rmult_plus_distr_r, <- sum_scal_r.
-  eapply Rle_trans; [apply Rabs_triang|]. apply Rplus_le_compat.
-  - rewrite Rabs_mult, (Rabs_pos_eq (al F i)), Rmult_assoc by (apply Hal; exact Hi).
-    apply Rmult_le_compat_l; [apply Hal; exact Hi|apply B, slope_in_unit].
-  - apply sum_abs_le. intros j Hj. destruct (Ha i j Hi Hj) as [_ Haij].
-    rewrite Rabs_mult, (Rabs_pos_eq (a F i j)), <- Rmult_plus_distr_l, Rmult_assoc by exact Haij.
-    apply Rmult_le_compat_l; [exact Haij|].
-    eapply Rle_trans; [apply B, slope_in_unit|]. apply div_le; [|exact Hrs].
-    eapply Rle_trans; [apply Rabs_triang|]. rewrite Rabs_Ropp. lra.
-Qed.
-
 (** Where all speeds are at most eta, the pulls change at most at 2 D eta over the scale. *)
 Lemma speed_spread_le : forall F s i eta, A1 F -> 0 < ls F -> (i < N F)%nat ->
   (forall j, (j < N F)%nat -> Rabs (v s j) <= eta) -> speed_spread F s i <= 2 * deg F i * eta / ls F.
@@ -196,18 +139,6 @@ Proof.
   assert (P : 0 <= sum (N F) (fun j => a F i j)) by (apply sum_nonneg; intros j Hj; apply (Ha i j Hi Hj)).
   assert (Q := Hal i Hi). assert (Hvi := H i Hi). assert (P' := Rabs_pos (v s i)).
   assert (S : sum (N F) (fun j => a F i j * Rabs (v s j)) <= sum (N F) (fun j => a F i j) * eta).
-  { rewrite <- sum_scal_r. apply sum_le; intros j Hj.
-    apply Rmult_le_compat_l; [apply (Ha i j Hi Hj)|apply H; exact Hj]. }
-  unfold deg. nra.
-Qed.
-
-Lemma turn_spread_le : forall F s i eta, A1 F -> 0 < rs F -> (i < N F)%nat ->
-  (forall j, (j < N F)%nat -> Rabs (om s j) <= eta) -> turn_spread F s i <= 2 * deg F i * eta / rs F.
-Proof.
-  intros F s i eta [Ha [Hal _]] Hrs Hi H. unfold turn_spread. apply div_le; [|exact Hrs].
-  assert (P : 0 <= sum (N F) (fun j => a F i j)) by (apply sum_nonneg; intros j Hj; apply (Ha i j Hi Hj)).
-  assert (Q := Hal i Hi). assert (Hvi := H i Hi). assert (P' := Rabs_pos (om s i)).
-  assert (S : sum (N F) (fun j => a F i j * Rabs (om s j)) <= sum (N F) (fun j => a F i j) * eta).
   { rewrite <- sum_scal_r. apply sum_le; intros j Hj.
     apply Rmult_le_compat_l; [apply (Ha i j Hi Hj)|apply H; exact Hj]. }
   unfold deg. nra.

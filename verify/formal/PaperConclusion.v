@@ -1,11 +1,17 @@
 (** * PaperConclusion.v : what the corrected theorem says of the paper's own fleet.
     Idea: the hypotheses hold (PaperFleet), so the theorem applies to Section 4 as it stands: the formation is reached
-    from everywhere, uniformly, and no wheel torque ever passes the limits of Table 1, which are compared with (16 star). *)
+    from everywhere, uniformly, and no wheel torque ever passes the limits of Table 1, which are compared with (16 star).
+    The lever arm is 2 R, as printed.  With arm R, for R half the distance between the wheels, (16 star) asks for more than
+    the limits of vehicles 2, 4, 5 and 6. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Torques PaperFleet PaperWitness.
+From Gaincert Require Import Statement Numerics Torques PaperEquations PaperFleet PaperWitness.
 Require Import Gaincert.Theorem. (* in full, since Theorem alone is a keyword *)
 Open Scope R_scope.
+
+(** Its controller is that of the paper, word for word (PaperEquations). *)
+Theorem paper_fleet_has_unit_scales : unit_scales paper_fleet.
+Proof. repeat split. Qed.
 
 Theorem paper_fleet_reaches_its_formation :
   uniformly_bounded paper_fleet /\ uniformly_stable paper_fleet /\ uniformly_attractive paper_fleet.
@@ -14,9 +20,6 @@ Proof.
   destruct (corrected_theorem_holds paper_fleet H1 H2 H3) as [Hbounded [Hstable [Hattractive _]]].
   exact (conj Hbounded (conj Hstable Hattractive)).
 Qed.
-
-(** Table 1, N m. *)
-Definition paper_torque_limit : nat -> R := by_pair 55 160 56.
 
 Lemma paper_limits_suffice : forall i, (i < 6)%nat -> torque_limit paper_fleet i <= paper_torque_limit i.
 Proof.

@@ -1,10 +1,10 @@
 (** * PaperErrorAfter20.v : the inequality printed after (20) is false (docs/theory.md, section 6).
     The paper bounds w alpha by w sqrt2 k psibar D; that holds for |w| only.  Idea: let vehicle 2 of the paper's fleet
     turn with w = -1 while alpha is near its least value -c (its place error is (40, -40) m, its heading pi/4, and psi is
-    at its peak at t = pi/5): W' is -0.04, the printed "upper bound" is -15.19. *)
+    at its peak at t = pi/5): W' is -0.037, the printed "upper bound" is -15.195. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation PaperFleet PaperWitness.
+From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
 Open Scope R_scope.
 
 (** The right-hand side of the first inequality after (20), as printed. *)
@@ -45,4 +45,18 @@ Proof.
   intros Hprinted. specialize (Hprinted (PI / 5) turning_back).
   pose proof turning_back_W_rate. pose proof turning_back_printed. pose proof PI_RGT_0.
   assert (0 <= PI / 5) by lra. lra.
+Qed.
+
+(** The same of a motion of the fleet: from that state on there is one, and at its start W' exceeds the bound by 15. *)
+Theorem inequality_after_20_is_false_on_a_solution :
+  exists t0 X l, 0 <= t0 /\ solution paper_fleet t0 X /\ is_derive (fun t => W paper_fleet (X t)) t0 l /\
+    printed_bound_after_20 paper_fleet (X t0) + 15 < l.
+Proof.
+  destruct paper_fleet_meets_the_hypotheses as [H1 [H2 H3]].
+  assert (Ht0 : 0 <= PI / 5) by (pose proof PI_RGT_0; lra).
+  destruct (existence_holds paper_fleet H1 H2 H3 (PI / 5) turning_back Ht0) as [X [Hstart HX]].
+  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) (X (PI / 5))).
+  split; [exact Ht0|]. split; [exact HX|].
+  split; [apply (W_derivative paper_fleet (PI / 5) X (PI / 5) H1 H2 HX); lra|].
+  rewrite Hstart. pose proof turning_back_W_rate. pose proof turning_back_printed. lra.
 Qed.

@@ -1,5 +1,6 @@
 (** * PaperErrorRotationalEnergy.v : "for all |w_i| >= 1 we have W' <= 0" is false although (15) holds.
-    The paper's step adds up as if every vehicle turned at 1 rad/s or more.  Idea: vehicle 1 turns at 1 rad/s, where (15)
+    The paper's step adds up as if every vehicle turned at 1 rad/s or more; what follows it needs some vehicle that does,
+    since it is to bound each turn rate.  Idea: vehicle 1 turns at 1 rad/s, where (15)
     lets the damping win; vehicle 2 turns at 0.5 rad/s only, where its alpha is stronger than tanh(0.5) of damping, and
     W rises.  The paper's gains, graph and psi, the controller's own alpha. *)
 From Coq Require Import Reals Lra.
@@ -30,10 +31,10 @@ Proof.
 Qed.
 
 Theorem rotational_energy_can_rise :
-  condition_15 paper_fleet /\
+  condition_15 paper_fleet /\ condition_16 paper_fleet paper_torque_limit /\
   exists t s i, 0 <= t /\ (i < N paper_fleet)%nat /\ 1 <= Rabs (om s i) /\ 0 < W_rate paper_fleet t s.
 Proof.
-  split; [exact paper_condition_15|].
+  destruct paper_fleet_meets_conditions_15_16 as [H15 H16]. split; [exact H15|]. split; [exact H16|].
   exists (PI / 5), turning_pair, 0%nat. pose proof PI_RGT_0. pose proof turning_pair_W_rate.
   split; [lra|]. split; [repeat constructor|]. split; [|lra].
   simpl. rewrite Rabs_pos_eq; lra.

@@ -6,11 +6,9 @@ From Coquelicot Require Import Coquelicot.
 From Gaincert Require Import Statement Numerics Sums Torques Saturations Formation PaperFleet PaperWitness.
 Open Scope R_scope.
 
-(** ubar_w as the saturation paragraph prints it, and as Proposition 1 does. *)
+(** ubar_w as the saturation paragraph prints it; Proposition 1's is [ubar_w]. *)
 Definition ubar_w_of_the_paragraph (F : fleet) (i : nat) : R :=
   dw F i + pw F i * al F i + (pw F i + sqrt 2 * k F i * psi0 F) * (deg F i - al F i).
-Definition ubar_w_of_proposition_1 (F : fleet) (i : nat) : R :=
-  dw F i + pw F i * deg F i + sqrt 2 * k F i * psi0 F * deg F i.
 
 Lemma paragraph_number : forall i, i = 1%nat \/ i = 3%nat ->
   14601 / 100 < ubar_w_of_the_paragraph paper_fleet i < 14602 / 100.
@@ -20,9 +18,9 @@ Proof.
 Qed.
 
 Lemma proposition_1_number : forall i, i = 1%nat \/ i = 3%nat ->
-  18041 / 100 < ubar_w_of_proposition_1 paper_fleet i < 18042 / 100.
+  18041 / 100 < ubar_w paper_fleet i < 18042 / 100.
 Proof.
-  intros i Hi. unfold ubar_w_of_proposition_1.
+  intros i Hi. unfold ubar_w.
   destruct Hi as [-> | ->]; rewrite paper_degrees by repeat constructor; cbn; split; interval.
 Qed.
 
@@ -57,13 +55,13 @@ Qed.
 
 (** Proposition 1's ubar_w is right, for every fleet: vehicles 2 and 4 of the paper have 180.42. *)
 Theorem proposition_1_bound_holds : forall F t s i, A1 F -> A2 F -> A3 F -> (i < N F)%nat -> 0 <= t ->
-  Rabs (u_w F t s i) < ubar_w_of_proposition_1 F i.
+  Rabs (u_w F t s i) < ubar_w F i.
 Proof.
   intros F t s i HA1 HA2 HA3 Hi Ht.
   pose proof (turn_pull_bound F t s i HA1 HA2 HA3 Hi Ht) as Hpull.
   destruct HA2 as [_ [_ HA2]]. destruct (HA2 i Hi) as (_ & _ & _ & _ & _ & _ & _ & Hdw & _).
   assert (Hdamping : Rabs (dw F i * tanh (om s i / ws F i)) < dw F i).
   { rewrite Rabs_mult, (Rabs_pos_eq (dw F i)) by lra. pose proof (tanh_abs_lt_1 (om s i / ws F i)). nra. }
-  unfold ubar_w_of_proposition_1, cmax in *. apply Rabs_le_between in Hpull.
+  unfold ubar_w, cmax in *. apply Rabs_le_between in Hpull.
   apply Rabs_def2 in Hdamping. apply Rabs_def1; unfold u_w; lra.
 Qed.

@@ -1,6 +1,7 @@
 (** * PaperFleet.v : sanity of the hypotheses (A1)-(A3): the paper's own fleet meets them.
-    Tables 1 and 2, the gains and the psi of Section 4, the graph of Fig. 2 (ring 1-2-3-4-5-6-1 and
-    chord 2-4, weights 1, leader weight 10 to vehicles 2 and 4), the drive as printed (arm = 2 R).
+    Tables 1 and 2 and the gains of Section 4, the drive as printed (arm = 2 R).  Two things are readings: psi has 4/((2k-1) pi)
+    where the text prints 4/(2k-1) pi, with which (15) would fail; and Fig. 2, which is a picture, is taken as the ring
+    1-2-3-4-5-6-1 with chord 2-4, weights 1, and leader weight 10 to vehicles 2 and 4.
     Idea: the 64 sets of vehicles are looked at one by one for (A1); psi is a polynomial in sin(t/2), which
     interval arithmetic bounds; the integral (12) is exactly 20/pi, because cos(n t) integrates to 0 over 2 pi.
     Vehicle 1 of the paper is number 0 here. *)

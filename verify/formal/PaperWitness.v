@@ -17,18 +17,34 @@ Qed.
 Definition W_rate (F : fleet) (t : R) (s : state) : R :=
   - Pw F s + sum (N F) (fun i => om s i * alpha F t s i / pw F i).
 
-(** Condition (15) at unit scales, and D_i = a_il + l_ii of the paper's graph. *)
-Definition condition_15 (F : fleet) : Prop := forall i, (i < N F)%nat -> cmax F i / tanh 1 <= dw F i.
+(** ** The conditions of Proposition 1, as printed (unit scales, arm = 2 R) *)
+Definition ubar_v (F : fleet) (i : nat) : R := dv F i + sqrt 2 * pv F i * deg F i.
+Definition ubar_w (F : fleet) (i : nat) : R := dw F i + pw F i * deg F i + sqrt 2 * k F i * psi0 F * deg F i.
+Definition condition_15 (F : fleet) : Prop := forall i, (i < N F)%nat ->
+  sqrt 2 * k F i * psi0 F * deg F i / tanh 1 <= dw F i.
+Definition condition_16 (F : fleet) (limit : nat -> R) : Prop := forall i, (i < N F)%nat ->
+  arm F i * ubar_v F i + ubar_w F i < 2 * arm F i / wr F i * limit i.
 
+(** Table 1, N m. *)
+Definition paper_torque_limit : nat -> R := by_pair 55 160 56.
+
+(** D_i = a_il + l_ii of the paper's graph. *)
 Lemma paper_degrees : forall i, (i < 6)%nat -> deg paper_fleet i = by_link 2 13 i.
 Proof. refine (six_cases _ _ _ _ _ _ _); unfold deg, paper_fleet; cbn; lra. Qed.
 
-Lemma paper_condition_15 : condition_15 paper_fleet.
+(** The paper's gains meet both with its own psi, and with any other that is no larger. *)
+Lemma paper_conditions : forall p dp ddp b0 b1 b2 window level, 0 <= b0 <= 24323283 / 10000000 ->
+  let F := paper_fleet_excited_by p dp ddp b0 b1 b2 window level in condition_15 F /\ condition_16 F paper_torque_limit.
 Proof.
-  unfold condition_15, cmax. change (N paper_fleet) with 6%nat.
-  intros i Hi. rewrite (paper_degrees i Hi). revert i Hi.
-  refine (six_cases _ _ _ _ _ _ _); cbn; unfold tanh, sinh, cosh; interval.
+  intros p dp ddp b0 b1 b2 window level Hb F.
+  assert (D : forall i, (i < 6)%nat -> deg F i = by_link 2 13 i) by exact paper_degrees.
+  split; [unfold condition_15|unfold condition_16, ubar_v, ubar_w]; change (N F) with 6%nat;
+    intros i Hi; rewrite !(D i Hi); revert i Hi;
+    refine (six_cases _ _ _ _ _ _ _); cbn; unfold tanh, sinh, cosh; interval.
 Qed.
+
+Lemma paper_fleet_meets_conditions_15_16 : condition_15 paper_fleet /\ condition_16 paper_fleet paper_torque_limit.
+Proof. apply paper_conditions. lra. Qed.
 
 (** ** Numbers that the witnesses share *)
 Lemma far_is_saturated : forall x, 8 <= x -> 999999 / 1000000 <= tanh x <= 1.

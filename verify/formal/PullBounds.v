@@ -1,5 +1,5 @@
 (** * PullBounds.v : L1, bounds on the pulls of the network and on the accelerations.
-    Every tanh is below 1, so a pull is at most the sum of its weights (strictly below it where there are links).
+    Every tanh is below 1, so a pull is at most the sum of its weights.
     The pulls along and across a vehicle's heading share one vector, which Cauchy-Schwarz bounds.
     Accelerations are sums of bounded pulls and bounded damping, over mass or inertia. *)
 From Coq Require Import Reals Lra Psatz.
@@ -53,57 +53,6 @@ Proof.
   - apply pull_bound with (D := deg F i); [ apply deg_nonneg; assumption | apply coupling_bound; assumption | apply coupling_bound; assumption ].
   - replace ((- sin (th s i)) ^ 2 + cos (th s i) ^ 2) with (cos (th s i) ^ 2 + sin (th s i) ^ 2) by ring.
     rewrite unit_circle, sqrt_1. lra.
-Qed.
-
-Lemma errors_bounded : forall F s i, A1 F -> (i < N F)%nat ->
-  Rabs (ex F s i) <= deg F i /\ Rabs (ey F s i) <= deg F i /\ Rabs (eth F s i) <= deg F i /\
-  Rabs (along F s i) <= sqrt 2 * deg F i /\ Rabs (across F s i) <= sqrt 2 * deg F i.
-Proof.
-  intros F s i H1 Hi.
-  split; [apply coupling_bound; assumption|]. split; [apply coupling_bound; assumption|].
-  split; [apply coupling_bound; assumption|]. split; [apply along_bound|apply across_bound]; assumption.
-Qed.
-
-(** No pull attains its bound where there are links: finitely many tanh have a largest value below 1. *)
-Lemma coupling_below : forall F scale z i, A1 F -> (i < N F)%nat -> 0 < deg F i ->
-  Rabs (coupling F scale z i) < deg F i.
-Proof.
-  intros F scale z i [Ha [Hal _]] Hi Hdeg.
-  destruct (finite_upper_bound (N F) (fun j => Rmax (Rabs (z i / scale)) (Rabs ((z i - z j) / scale)))) as [M [HM H]].
-  assert (Q := tanh_lt_1 M).
-  apply Rle_lt_trans with (deg F i * tanh M); [|nra].
-  assert (D : forall w x, 0 <= w -> Rabs x <= M -> Rabs (w * tanh x) <= w * tanh M).
-  { intros w x Hw Hx. rewrite Rabs_mult, (Rabs_pos_eq w), tanh_abs by exact Hw.
-    apply Rmult_le_compat_l; [exact Hw|apply tanh_le; exact Hx]. }
-  unfold coupling, deg. rewrite Rmult_plus_distr_r, <- sum_scal_r.
-  eapply Rle_trans; [apply Rabs_triang|]. apply Rplus_le_compat.
-  - apply D; [apply Hal; exact Hi|]. eapply Rle_trans; [apply Rmax_l|apply (H i Hi)].
-  - apply sum_abs_le. intros j Hj. apply D; [apply Ha; assumption|].
-    eapply Rle_trans; [apply Rmax_r|apply (H j Hj)].
-Qed.
-
-(** A pull in a unit direction, where both components are strictly below D. *)
-Lemma unit_pull_below : forall p q x y D, p ^ 2 + q ^ 2 = 1 -> Rabs x < D -> Rabs y < D ->
-  Rabs (p * x + q * y) < sqrt 2 * D.
-Proof.
-  intros p q x y D Hpq Hx Hy. set (M := Rmax (Rabs x) (Rabs y)).
-  assert (HM : M < D) by (apply Rmax_lub_lt; assumption).
-  assert (H0 : 0 <= M) by (eapply Rle_trans; [apply Rabs_pos|apply Rmax_l]).
-  assert (B := pull_bound p q x y M H0 (Rmax_l _ _) (Rmax_r _ _)). rewrite Hpq, sqrt_1, Rmult_1_r in B.
-  assert (S : 0 < sqrt 2) by (apply sqrt_lt_R0; lra). nra.
-Qed.
-
-Lemma errors_below : forall F s i, A1 F -> (i < N F)%nat -> 0 < deg F i ->
-  Rabs (ex F s i) < deg F i /\ Rabs (ey F s i) < deg F i /\ Rabs (eth F s i) < deg F i /\
-  Rabs (along F s i) < sqrt 2 * deg F i /\ Rabs (across F s i) < sqrt 2 * deg F i.
-Proof.
-  intros F s i H1 Hi Hdeg.
-  assert (X : Rabs (ex F s i) < deg F i) by (apply coupling_below; assumption).
-  assert (Y : Rabs (ey F s i) < deg F i) by (apply coupling_below; assumption).
-  assert (C := unit_circle (th s i)).
-  split; [exact X|]. split; [exact Y|]. split; [apply coupling_below; assumption|]. split.
-  - apply unit_pull_below; [exact C|exact X|exact Y].
-  - apply unit_pull_below; [lra|exact X|exact Y].
 Qed.
 
 (** ** Accelerations *)

@@ -106,9 +106,6 @@ Proof. intros x H. rewrite <- tanh_0. apply tanh_le; exact H. Qed.
 Lemma tanh_lt_inv : forall x y, tanh x < tanh y -> x < y.
 Proof. intros x y H. destruct (Rlt_le_dec x y) as [L|L]; [exact L|]. apply tanh_le in L; lra. Qed.
 
-Lemma tanh_le_inv : forall x y, tanh x <= tanh y -> x <= y.
-Proof. intros x y H. destruct (Rle_lt_dec x y) as [L|L]; [exact L|]. apply tanh_lt in L; lra. Qed.
-
 Lemma tanh_lipschitz : forall x y, Rabs (tanh y - tanh x) <= Rabs (y - x).
 Proof.
   intros x y. destruct (tanh_increment x y) as [c [_ E]]. rewrite E, Rabs_mult.
@@ -118,13 +115,6 @@ Qed.
 
 Lemma tanh_abs_le : forall x, Rabs (tanh x) <= Rabs x.
 Proof. intros x. assert (A := tanh_lipschitz 0 x). rewrite tanh_0, !Rminus_0_r in A. exact A. Qed.
-
-Lemma tanh_abs : forall x, Rabs (tanh x) = tanh (Rabs x).
-Proof.
-  intros x. destruct (Rle_lt_dec 0 x) as [H|H].
-  - rewrite (Rabs_pos_eq x H). apply Rabs_pos_eq, tanh_nonneg; exact H.
-  - rewrite (Rabs_left x H), tanh_odd. apply Rabs_left. rewrite <- tanh_0. apply tanh_lt; exact H.
-Qed.
 
 Lemma x_tanh_abs : forall x, x * tanh x = Rabs x * tanh (Rabs x).
 Proof.
@@ -235,14 +225,6 @@ Lemma lncosh_nonneg : forall x, 0 <= lncosh x.
 Proof.
   intros x. unfold lncosh. rewrite <- ln_1. destruct (cosh_ge_1 x) as [H| <-]; [|lra].
   apply Rlt_le, ln_increasing; [lra|exact H].
-Qed.
-
-Lemma lncosh_le : forall x y, Rabs x <= Rabs y -> lncosh x <= lncosh y.
-Proof.
-  intros x y H. rewrite <- (lncosh_abs x), <- (lncosh_abs y).
-  assert (A := Rabs_pos x).
-  destruct (lncosh_increment (Rabs x) (Rabs y)) as [c [[Hc _] E]].
-  rewrite Rmin_left in Hc by exact H. assert (P := tanh_nonneg c ltac:(lra)). nra.
 Qed.
 
 Lemma lncosh_le_abs : forall x, lncosh x <= Rabs x.

@@ -45,13 +45,6 @@ Proof.
   - assert (A := IH f g ltac:(auto with arith)). assert (B := H n ltac:(auto with arith)). lra.
 Qed.
 
-Lemma sum_lt : forall n f g, (0 < n)%nat -> (forall i, (i < n)%nat -> f i < g i) -> sum n f < sum n g.
-Proof.
-  intros [|n] f g Hn H; [lia|]. simpl.
-  assert (A : sum n f <= sum n g) by (apply sum_le; intros i Hi; apply Rlt_le, H; lia).
-  assert (B := H n ltac:(lia)). lra.
-Qed.
-
 Lemma sum_nonneg : forall n f, (forall i, (i < n)%nat -> 0 <= f i) -> 0 <= sum n f.
 Proof.
   intros n f H. rewrite <- (sum_zero n (fun _ => 0)) by reflexivity. apply sum_le; exact H.
@@ -75,12 +68,6 @@ Proof.
   - destruct (IH f) as [i [Hi Hf]]; [lra|]. exists i; split; [lia|exact Hf].
 Qed.
 
-Lemma sum_nonneg_zero : forall n f, (forall i, (i < n)%nat -> 0 <= f i) -> sum n f <= 0 ->
-  forall i, (i < n)%nat -> f i = 0.
-Proof.
-  intros n f H Hs i Hi. assert (A := sum_term_le n f i H Hi). assert (B := H i Hi). lra.
-Qed.
-
 Lemma sum_abs : forall n f, Rabs (sum n f) <= sum n (fun i => Rabs (f i)).
 Proof.
   induction n as [|n IH]; intros f; simpl.
@@ -98,15 +85,6 @@ Proof.
   induction n as [|n IH]; intros p f; simpl.
   - symmetry; apply sum_zero; reflexivity.
   - rewrite IH, <- sum_plus. reflexivity.
-Qed.
-
-(** Pull one term out of a sum. *)
-Lemma sum_single : forall n f i, (i < n)%nat -> (forall j, (j < n)%nat -> j <> i -> f j = 0) -> sum n f = f i.
-Proof.
-  induction n as [|n IH]; intros f i Hi H; [lia|]. simpl.
-  destruct (PeanoNat.Nat.eq_dec i n) as [->|Hne].
-  - rewrite sum_zero; [ring|]. intros j Hj; apply H; lia.
-  - rewrite (IH f i), (H n); [ring|lia|lia|lia|]. intros j Hj Hji; apply H; lia.
 Qed.
 
 (** ** Finitely many numbers have a common bound; finitely many positive numbers a common positive one below *)

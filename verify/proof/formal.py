@@ -76,11 +76,11 @@ class Development:
 
 def development(folder: Path = check.FOLDER) -> Development:
     """The sources that are there, and the record beside them if there is one."""
-    sources = {path.stem: path.read_text(encoding="utf-8") for path in sorted(folder.glob("*.v"))}
+    sources = check.sources(folder)
     path = folder / check.RECORD.name
     row = json.loads(path.read_text(encoding="utf-8")) if path.is_file() else None
     record = Record(row["digest"], row["coq"], row["theorems"]) if row else None
-    return Development(sources, check.digest(folder), check.gaps(folder), record)
+    return Development(sources, check.digest(sources), check.gaps(sources), record)
 
 
 def proved_by(theorem: str, formal: Development, among: Sequence[Fact] = ()) -> Fact:

@@ -1,10 +1,34 @@
-(** * UnitScales.v : with all scales 1 the controller is the paper's (7)-(10), word for word.
-    Idea: dividing by 1 changes nothing, and the leader's pose cancels in the difference of two vehicles' errors.
+(** * PaperEquations.v : the motions of Statement.v are those of the vehicles (1)-(2) under the torques (6), and with all
+    scales 1 the controller is the paper's (7)-(11), word for word.
+    Idea: (6) inverts (2); dividing by 1 changes nothing, and the leader's pose cancels in the difference of two errors.
     Here zbar = (xbar, ybar) is a vehicle's place less its place in the formation, as in the paper. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
 From Gaincert Require Import Statement Sums.
 Open Scope R_scope.
+
+(** (1) and (2): the two wheel torques accelerate the vehicle by their sum and turn it by their difference. *)
+Definition vehicles_under_torques (F : fleet) (t0 : R) (X : R -> state) : Prop :=
+  forall i, (i < N F)%nat -> forall t, t0 <= t ->
+    let plus := torque_plus F t (X t) i in let minus := torque_minus F t (X t) i in
+    is_derive (fun t => px (X t) i) t (cos (th (X t) i) * v (X t) i) /\
+    is_derive (fun t => py (X t) i) t (sin (th (X t) i) * v (X t) i) /\
+    is_derive (fun t => th (X t) i) t (om (X t) i) /\
+    is_derive (fun t => v  (X t) i) t (1 / wr F i * (plus + minus) / m F i) /\
+    is_derive (fun t => om (X t) i) t (1 / wr F i * (arm F i * plus - arm F i * minus) / J F i).
+
+(** (6) inverts (2): what the torques of the controller do to the vehicles is the closed loop of the theorem. *)
+Theorem equations_1_2 : forall F t0 X, A2 F -> (solution F t0 X <-> vehicles_under_torques F t0 X).
+Proof.
+  intros F t0 X [_ [_ HA2]].
+  assert (E : forall t s i, (i < N F)%nat ->
+    1 / wr F i * (torque_plus F t s i + torque_minus F t s i) = u_v F s i /\
+    1 / wr F i * (arm F i * torque_plus F t s i - arm F i * torque_minus F t s i) = u_w F t s i).
+  { intros t s i Hi. destruct (HA2 i Hi) as (_ & _ & Hwr & Harm & _).
+    unfold torque_plus, torque_minus. split; field; split; lra. }
+  split; intros H i Hi t Ht; specialize (H i Hi t Ht); cbv zeta in *;
+    destruct (E t (X t) i Hi) as [Ev Ew]; rewrite Ev, Ew in *; exact H.
+Qed.
 
 Definition unit_scales (F : fleet) : Prop :=
   ls F = 1 /\ rs F = 1 /\ forall i, (i < N F)%nat -> ss F i = 1 /\ ws F i = 1.

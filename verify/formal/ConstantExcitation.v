@@ -1,7 +1,8 @@
-(** * PaperErrorConstantExcitation.v : (12) must be asked of psi', not of psi.
+(** * ConstantExcitation.v : (12) must be asked of psi', as the paper does; of psi it is not enough.
     A constant psi is persistently exciting in the sense of the integral of psi^2.  Idea: with psi at its mean 5/4 the
     paper's fleet can rest off the formation: all six vehicles share one place error across a heading that is turned by a
-    little angle, and the pull psi makes of that error holds the heading turned.  So attractivity is false without psi'. *)
+    little angle, and the pull psi makes of that error holds the heading turned.  Such places begin at the goal itself.
+    So attractivity is false without psi', although (15) and (16) hold. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
 From Gaincert Require Import Statement Numerics Sums Saturations Calculus Formation PaperFleet PaperWitness.
@@ -119,6 +120,17 @@ Proof.
   unfold err. apply sum_le. intros i _. apply Hterm.
 Qed.
 
+(** Without a turn it is the formation: the false ones begin there. *)
+Theorem false_formations_begin_at_the_goal : err constant_fleet (false_formation 0) = 0.
+Proof.
+  assert (Hpull : false_pull 0 = 0) by (unfold false_pull; rewrite tanh_0; field).
+  assert (Hplace : atanh 0 = 0).
+  { unfold atanh. replace ((1 + 0) / (1 - 0)) with 1 by field. rewrite ln_1. field. }
+  unfold err. apply sum_zero. intros i _. unfold false_formation. rewrite displaced_zx, displaced_zy.
+  rewrite Hpull, Ropp_0, !Rmult_0_l, Hplace. unfold tha. simpl.
+  replace (5 * PI / 4 + 0 - 5 * PI / 4) with 0 by ring. rewrite Rabs_R0. ring.
+Qed.
+
 (** A constant psi, exciting in itself: the fleet can rest off the formation for ever, so the formation does not
     attract. *)
 Theorem constant_psi_leaves_a_false_equilibrium : exists s, 0 < err constant_fleet s /\
@@ -130,9 +142,11 @@ Proof.
 Qed.
 
 Theorem constant_psi_is_not_enough :
-  A1 constant_fleet /\ A2 constant_fleet /\ A3_of_psi constant_fleet /\ ~ uniformly_attractive constant_fleet.
+  A1 constant_fleet /\ A2 constant_fleet /\ A3_of_psi constant_fleet /\
+  condition_15 constant_fleet /\ condition_16 constant_fleet paper_torque_limit /\ ~ uniformly_attractive constant_fleet.
 Proof.
   split; [apply paper_graph|]. split; [apply paper_parameters|]. split; [exact constant_psi_is_exciting|].
+  split; [apply paper_conditions; lra|]. split; [apply paper_conditions; lra|].
   intros Hattractive. destruct constant_psi_leaves_a_false_equilibrium as [s [Herror Hrest]].
   destruct (Hattractive (err constant_fleet s) (err constant_fleet s / 2)) as [tau Htau]; [lra|lra|].
   assert (Hsmall : err constant_fleet s <= err constant_fleet s / 2); [|lra].
