@@ -4,6 +4,7 @@ The definitions of verify/formal/Statement.v are evaluated over floats by a read
 models/equations.py and models/conditions.py on every graph family and both drives.
 """
 
+import itertools
 from dataclasses import replace
 from pathlib import Path
 
@@ -19,9 +20,10 @@ from gaincert.models.conditions import (
     turn_rate_condition,
 )
 from gaincert.models.equations import angular_input, closed_loop, consensus_errors, control, linear_input
+from gaincert.models.graph import Graph
 from gaincert.models.saturation import Saturation
 
-from tests.verify.gallina import Source
+from tests.verify.gallina import Operation, Source
 
 TEXT = (Path(__file__).parents[2] / "verify" / "formal" / "Statement.v").read_text()
 STATEMENT = Source(TEXT)
@@ -137,6 +139,55 @@ def test_speed_and_turn_rate_limits_ask_for_what_the_conditions_ask(here, fleet,
     ((small, large),) = [sides for sides in STATEMENT.at_most(bound) if "tanh" in str(sides)]
     same(n, lambda i: STATEMENT.evaluate(small, {"F": F, "i": i}), inequality.small)
     same(n, lambda i: STATEMENT.evaluate(large, {"F": F, "i": i, name: asked}), inequality.large)
+
+
+def conditions(name, sign):
+    """Both sides of every comparison with this sign in a definition."""
+    return [part.parts for part in STATEMENT.parts(name) if isinstance(part, Operation) and part.sign == sign]
+
+
+def test_a_set_of_vehicles_without_a_tie_is_one_that_no_path_joins_to_the_leader(random):
+    """(A1): the weights that tie a set are positive for every nonempty set, or the program refuses the graph."""
+    ((_, tie),) = [sides for sides in conditions("A1", "<") if "sum" in str(sides)]
+    verdicts = set()
+    for _ in range(200):
+        n = int(random.integers(1, 6))
+        pairs = [(i, j) for i in range(n) for j in range(i) if random.random() < 0.3]
+        leader_weight = np.where(random.random(n) < 0.4, 1.5, 0.0)
+        tail, head = np.array(pairs, dtype=int).reshape(-1, 2).T
+        graph = Graph(tail, head, np.full(len(pairs), 0.5), leader_weight)
+        weights = np.zeros((n, n))
+        weights[tail, head] = weights[head, tail] = 0.5
+        F = {"N": n, "a": lambda i, w=weights: w[i].__getitem__, "al": leader_weight.__getitem__}
+        chosen = [np.array(ones, dtype=bool) for ones in itertools.product([0, 1], repeat=n) if any(ones)]
+        tied = all(STATEMENT.evaluate(tie, {"F": F, "S": ones.__getitem__}) > 0 for ones in chosen)
+        assert tied == bool(np.all(graph.leader_tree() >= 0))
+        verdicts.add(tied)
+    assert verdicts == {True, False}
+
+
+def test_bounds_window_and_level_of_psi_are_those_that_the_program_states(psi):
+    """(A3), with the period of psi for T and its power for mu: the integral is exactly that."""
+    ops, rate = numpy_ops(), psi.derivative()
+    factor, power = psi.power()
+    functions = {"psi": psi, "dpsi": rate, "ddpsi": rate.derivative()}
+    F = {name: lambda _, f=f: lambda t: f.value(ops, t) for name, f in functions.items()}
+    F |= {f"psi{n}": float(bound) for n, bound in enumerate((psi.bound, *psi.derivative_bounds))}
+    F |= {"T": 2 * np.pi / float(psi.frequency), "mu": float(factor) * np.pi**power}
+    *bounds, (level, integral) = conditions("A3", "<=")[1:]
+    for t in np.linspace(0, F["T"], 50):
+        here = {"F": F, "i": 0, "t": t}
+        for value, bound in bounds:
+            assert STATEMENT.evaluate(value, here) <= STATEMENT.evaluate(bound, here)
+        assert STATEMENT.evaluate(integral, here) == pytest.approx(STATEMENT.evaluate(level, here), rel=1e-12)
+    assert len(bounds) == 3
+
+
+def test_the_distance_is_the_sum_of_all_errors(here):
+    plant, _, _, state, F, s = here
+    x, y = state.x - plant.offset_x - plant.leader_x, state.y - plant.offset_y - plant.leader_y
+    errors = (x, y, state.theta - plant.leader_theta, state.v, state.omega)
+    assert STATEMENT.value("err", F, s) == pytest.approx(sum(np.abs(error).sum() for error in errors), rel=1e-12)
 
 
 def test_the_formation_has_no_error_and_stands_still(here):
