@@ -8,6 +8,7 @@ from .console import Outcome, Printer
 from .models.errors import InputError
 from .workflows.certify import as_json as certificate_json
 from .workflows.certify import certify_gains
+from .workflows.check import check_fleet
 from .workflows.compare import compare_designs
 from .workflows.design import DesignOptions, design_fleet
 from .workflows.inputs import (
@@ -21,7 +22,7 @@ from .workflows.inputs import (
     read_gains,
     tolerance_of,
 )
-from .workflows.obstacles import say_obstacles
+from .workflows.obstacles import say_obstacles, say_slips_of_run
 from .workflows.physics import PhysicsRun, refuse_with_mujoco, validate_in_physics
 from .workflows.prove import check_formally, prove_claims, theorem_holds
 from .workflows.run import Pipeline
@@ -58,8 +59,6 @@ def init(
 @verb
 def check(printer: Printer, *, fleet_path: cli.FleetPath) -> Outcome:
     """Show the content of a fleet file, or all its mistakes."""
-    from .workflows.check import check_fleet
-
     return Outcome(check_fleet(printer, fleet_path))
 
 
@@ -162,9 +161,10 @@ def simulate(
 ) -> Outcome:
     """Simulate the fleet from its own start and draw figures."""
     fleet = read_fleet(fleet_path)
-    chosen = read_gains(gains, fleet)
+    chosen, settled = read_gains(gains, fleet), tolerance_of(tolerance)
     disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
-    simulation = Simulation((scheme,), horizon, tolerance_of(tolerance), engine, disturbed.of(fleet, seed))
+    simulation = Simulation((scheme,), horizon, settled, engine, disturbed.of(fleet, seed))
+    say_slips_of_run(printer, fleet, simulation.disturbance)
     simulated = simulate_schemes(printer, fleet, chosen, simulation, folder)
     say_obstacles(printer, simulated.obstacles)
     return Outcome.of(simulated.document, true=not simulated.false_claims and not simulated.obstacles)
@@ -205,6 +205,7 @@ def validate(
     end = default_horizon(fleet, chosen, settled) if horizon is None else horizon
     disturbed = DisturbanceOptions(sample_time, delay, noise, noise_speed, mismatch, friction, lost_link, com_offset)
     real = disturbed.of(fleet, seed)
+    say_slips_of_run(printer, fleet, real)
     if plant is cli.Plant.mujoco:
         refuse_with_mujoco(
             ("--replay", replay is not None),

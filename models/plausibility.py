@@ -16,7 +16,7 @@ import numpy as np
 from .arrays import floats
 from .errors import some_vehicles
 from .fleet import Fleet
-from .fleet_tables import DisturbanceTable, Leader, Pose, Vehicle
+from .fleet_tables import Leader, Pose, Vehicle
 from .numbers import low, nominal
 
 DENSE, LIGHT = 3000.0, 2.0  # kg / m^3, mass over the cube of the track: metal, and foam
@@ -25,6 +25,7 @@ FAR = 2000.0  # tracks from the leader
 FIERCE = 90.0  # m/s^2 under full torque; tyres hold about 10
 NARROW, BROAD = 0.5, 5.0  # radius of gyration over half track
 LATE = 1.0  # s, delay and sample time
+DRAGGING = 0.5  # of a motor's torque: friction
 HEAVY = 5.0  # times the mass: what the wheels' inertia adds
 BODY = 10.0  # half tracks: a footprint
 SPINNING = 20.0  # rad/s, limit of a turn rate
@@ -61,10 +62,20 @@ def slips(fleet: Fleet) -> list[str]:
             found[slip.kind].append((vehicle.name, slip.text))
     return [
         *_of_leader(fleet.leader),
-        *_of_disturbance(fleet.disturbance),
+        *_of_table(fleet),
         *(_line(entries, len(fleet)) for entries in found.values()),
         *(_on_one_place(fleet) or _too_near(fleet)),
     ]
+
+
+def slips_of_run(fleet: Fleet, sample_time: float, delay: float, coulomb: float) -> list[str]:
+    """The same of what only a run has: times (s) and friction (N m) that it is disturbed with; starts above limits."""
+    found: dict[str, list[tuple[str, str]]] = defaultdict(list)
+    for vehicle in fleet.vehicles:
+        for slip in _of_start(vehicle):
+            found[slip.kind].append((vehicle.name, slip.text))
+    lines = [_line(entries, len(fleet)) for entries in found.values()]
+    return [*_of_disturbance(fleet, sample_time, delay, coulomb), *lines]
 
 
 def _line(entries: Sequence[tuple[str, str]], count: int) -> str:
@@ -130,7 +141,7 @@ def _of_numbers(vehicle: Vehicle) -> Iterator[Slip]:
 
 def _of_limits(vehicle: Vehicle) -> Iterator[Slip]:
     """Limits in other units, and starts above limits that are to be certified."""
-    limits, start, radius = vehicle.limits, vehicle.start, float(nominal(vehicle.wheel_radius))
+    limits, radius = vehicle.limits, float(nominal(vehicle.wheel_radius))
     if limits.turn_rate is not None and limits.turn_rate > SPINNING:
         turns = float(limits.turn_rate) / math.tau
         yield Slip(
@@ -145,6 +156,12 @@ def _of_limits(vehicle: Vehicle) -> Iterator[Slip]:
             f"wheel_speed = {float(limits.wheel_speed):g} rad/s rolls at "
             f"{float(limits.wheel_speed) * radius:.3g} m/s: it is in rad/s, not in rpm",
         )
+    yield from _of_start(vehicle)
+
+
+def _of_start(vehicle: Vehicle) -> Iterator[Slip]:
+    """A start above a limit that is to be certified."""
+    limits, start = vehicle.limits, vehicle.start
     if start is None:
         return
     for key, value, most in (("v", start.v, limits.speed), ("omega", start.omega, limits.turn_rate)):
@@ -178,13 +195,29 @@ def _of_leader(leader: Leader) -> Iterator[str]:
         yield _degrees("leader: heading", leader.theta)
 
 
-def _of_disturbance(table: DisturbanceTable | None) -> Iterator[str]:
-    """Times in milliseconds, or rates for times."""
-    if table is None:
-        return
-    for key, other in (("sample_time", "not in ms, and no rate in Hz"), ("delay", "not in ms")):
-        if (time := float(getattr(table, key) or 0)) > LATE:
+def _of_table(fleet: Fleet) -> Iterator[str]:
+    if (table := fleet.disturbance) is not None:
+        yield from _of_disturbance(fleet, float(table.sample_time or 0), float(table.delay), float(table.coulomb))
+
+
+def _of_disturbance(fleet: Fleet, sample_time: float, delay: float, coulomb: float) -> Iterator[str]:
+    """Times in milliseconds, rates for times, and friction that takes most of what the motors have."""
+    for key, time, other in (
+        ("sample_time", sample_time, "not in ms, and no rate in Hz"),
+        ("delay", delay, "not in ms"),
+    ):
+        if time > LATE:
             yield f"disturbance: {key} = {time:g} s is late for any robot: it is a time in s, {other}"
+    share, weakest = max((coulomb / _torque(vehicle), vehicle.name) for vehicle in fleet.vehicles)
+    if DRAGGING < share < 1:  # what holds a motor for good is an obstacle
+        yield (
+            f"disturbance: coulomb = {coulomb:g} N m takes {100 * share:.0f} % of the torque of {weakest!r}: "
+            "it is the friction at one wheel, in N m"
+        )
+
+
+def _torque(vehicle: Vehicle) -> float:
+    return float(min(low(vehicle.torque_limit.left), low(vehicle.torque_limit.right)))
 
 
 def in_degrees(pose: Pose) -> bool:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from ..models.fleet import Fleet
     from ..models.tolerance import Tolerance
     from ..reports.obstacles import Obstacle
+    from ..verify.simulation.disturbance import Disturbance
 
 
 def obstacles_of(printer: Printer, fleet: Fleet, gains: GainsFile, tolerance: Tolerance) -> list[Obstacle]:
@@ -35,6 +36,14 @@ def say_slips(printer: Printer, fleet: Fleet) -> None:
     from ..models.plausibility import slips
 
     printer.say(*(f"warning: {line}" for line in slips(fleet)))
+
+
+def say_slips_of_run(printer: Printer, fleet: Fleet, disturbance: Disturbance | None) -> None:
+    """The same of what only a run has, before `simulate` and `validate`."""
+    from ..models.plausibility import slips_of_run
+
+    real = (disturbance.sample_time, disturbance.delay, disturbance.coulomb) if disturbance else (0.0, 0.0, 0.0)
+    printer.say(*(f"warning: {line}" for line in slips_of_run(fleet, *real)))
 
 
 def say_obstacles(printer: Printer, obstacles: Sequence[Obstacle]) -> None:

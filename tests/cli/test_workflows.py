@@ -85,6 +85,14 @@ def test_slips_are_said_before_the_work(tmp_path: Path, monkeypatch: pytest.Monk
     assert "warning: vehicles 'v1', 'v2': torque_limit = 55 N m could accelerate" in done.stdout
 
 
+@pytest.mark.parametrize("verb", ["simulate", "validate"])
+def test_slips_of_a_run_are_said(tmp_path: Path, verb: str) -> None:
+    starts = ("--starts", 1) if verb == "validate" else ()
+    done = gaincert(verb, *PAPER, "-o", tmp_path, "--horizon", 1, "--delay", 40, *starts)
+    words = "warning: disturbance: delay = 40 s is late for any robot: it is a time in s, not in ms"
+    assert done.stdout.splitlines()[0] == words
+
+
 def test_trying_a_folder_leaves_nothing(tmp_path: Path) -> None:
     done = gaincert("design", PAPER[0], "-o", tmp_path / "a" / "b", "--excitation", "given")
     assert done.returncode == 2
@@ -169,7 +177,7 @@ def test_a_bug_is_a_fault_and_no_verdict(monkeypatch: pytest.MonkeyPatch) -> Non
     def broken(*_: object) -> None:
         raise KeyError("x")
 
-    monkeypatch.setattr("gaincert.workflows.check.check_fleet", broken)
+    monkeypatch.setattr("gaincert.cli.check_fleet", broken)
     done = gaincert("check", PAPER[0])
     assert done.returncode == 5
     assert "error: this is a fault of gaincert (KeyError)" in done.stderr
@@ -180,7 +188,7 @@ def test_no_memory_is_a_fault_without_a_traceback(monkeypatch: pytest.MonkeyPatc
     def broken(*_: object) -> None:
         raise MemoryError
 
-    monkeypatch.setattr("gaincert.workflows.check.check_fleet", broken)
+    monkeypatch.setattr("gaincert.cli.check_fleet", broken)
     done = gaincert("check", PAPER[0])
     assert done.returncode == 5
     assert "Traceback" not in done.stderr

@@ -7,7 +7,7 @@ from gaincert.models.errors import InputError
 from gaincert.models.files.fleet_file import build_fleet, load_fleet
 from gaincert.models.files.templates import SHAPES, template_text
 from gaincert.models.fleet_tables import DisturbanceTable
-from gaincert.models.plausibility import slips, taken_to_be
+from gaincert.models.plausibility import slips, slips_of_run, taken_to_be
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ROBOT = {
@@ -103,13 +103,28 @@ def test_two_robots_on_one_place_and_a_leader_in_degrees_are_said() -> None:
             "sample_time = 50 s is late for any robot: it is a time in s, not in ms, and no rate in Hz",
         ),
         ({"delay": 40, "sample_time": 0.02}, "delay = 40 s is late for any robot: it is a time in s, not in ms"),
+        (
+            {"coulomb": 0.4},
+            "coulomb = 0.4 N m takes 80 % of the torque of 'c': it is the friction at one wheel, in N m",
+        ),
     ],
     ids=str,
 )
-def test_times_in_other_units_are_said(table, part) -> None:
-    fleet = fleet_of()
-    (line,) = slips(fleet.model_copy(update={"disturbance": DisturbanceTable.model_validate(table)}))
-    assert line == f"disturbance: {part}"
+def test_what_no_robot_would_meet_is_said(table, part) -> None:
+    fleet, real = fleet_of(), DisturbanceTable.model_validate(table)
+    assert slips(fleet.model_copy(update={"disturbance": real})) == [f"disturbance: {part}"]
+    assert slips_of_run(fleet, float(real.sample_time or 0), float(real.delay), float(real.coulomb)) == slips(
+        fleet.model_copy(update={"disturbance": real})
+    )
+    assert slips_of_run(fleet, 1.0, 1.0, 0.2) == []
+
+
+def test_a_start_above_a_limit_is_said_of_a_run() -> None:
+    start = {"position": [1, 1], "heading_deg": 0, "v": 2}
+    fleet = fleet_of(own={"start": start, "limits": {"speed": 1.5}})
+    assert slips_of_run(fleet, 0.0, 0.0, 0.0) == [
+        "vehicle 'a': starts with v = 2, above the limit 1.5: no gains can be certified for that"
+    ]
 
 
 def test_places_nearer_than_the_footprints_are_said() -> None:
