@@ -42,7 +42,7 @@ def test_the_assumptions_of_every_claim_are_printed():
     assert claimed == set(claims(sources())) - {"claims_of_the_paper"} | set(together)
 
 
-@pytest.mark.parametrize("name", ["Statement", "Claims"])
+@pytest.mark.parametrize("name", ["Statement", "Definitions", "Claims"])
 def test_another_claim_is_refused(name):
     texts = sources()
     with pytest.raises(NotProvedError, match=rf"{name}\.v has sha256:\w+, another claim than that of"):
@@ -69,6 +69,12 @@ def test_another_claim_is_refused(name):
         '(* "*) Axiom t : False.',
         'Declare ML Module "other".',
         'Load "elsewhere".',
+        'Notation "x |(* y" := (x + y). Declare ML Module "other". Ltac done := (intros *).',
+        "Timeout 10Axiom t : False.",
+        "Module Hidden : Interface. Definition x := 0. End Hidden.",
+        "Module\u00a0Hidden : Interface.",
+        "Module Type Interface. End Interface.",
+        "Declare Module Given : Interface.",
     ],
 )
 def test_a_gap_is_found(text):
@@ -78,12 +84,13 @@ def test_a_gap_is_found(text):
 @pytest.mark.parametrize(
     "text",
     [
-        "(* No Axiom, nothing Admitted. (* Nor here: Parameter. *) *) Lemma t : True. Proof. exact I. Qed.",
+        "Module Short := Gaincert.Statement. (* another name *)",
+        "Module Numbers := Make Whole.\n",
         "Section S. Variable x : nat. Hypothesis H : x = x. End S.",
         "Lemma Axiomatic_start : True. Proof. exact I. Qed.",
     ],
 )
-def test_comments_and_sections_are_no_gap(text):
+def test_sections_and_other_names_are_no_gap(text):
     assert not gaps({"Proofs": text})
 
 
@@ -108,6 +115,12 @@ def test_a_source_has_a_plain_name(tmp_path, name):
         sources(tmp_path)
 
 
+def test_a_source_that_is_no_text_is_named(tmp_path):
+    (tmp_path / "Proofs.v").write_bytes(b"\xff")
+    with pytest.raises(NotProvedError, match=r"Proofs\.v cannot be read"):
+        sources(tmp_path)
+
+
 def test_a_folder_is_no_source(tmp_path):
     (tmp_path / "Proofs.v").mkdir()
     with pytest.raises(NotProvedError, match=r"'Proofs\.v': a source is a file"):
@@ -123,9 +136,10 @@ FunctionalExtensionality.functional_extensionality_dep
 Closed under the global context
 Axioms:
 loop is assumed to be guarded.
+Classical_Prop.classic\u00a0M.x : False
 """
     standard = ["ClassicalDedekindReals.sig_not_dec", "FunctionalExtensionality.functional_extensionality_dep"]
-    assert assumptions(answer) == [standard, [], ["loop"]]
+    assert assumptions(answer) == [standard, [], ["Classical_Prop.classic\u00a0M.x", "loop"]]
 
 
 def test_the_digest_follows_names_and_contents():
@@ -172,19 +186,20 @@ def small(tmp_path, monkeypatch):
     """{name: text} -> the record of a small development that stands for the whole; its claim is False."""
     monkeypatch.setattr(check, "LIBRARIES", ())
 
-    def checked(theorem, claim="False", **more):
+    def checked(theorem, claim="False", *, libraries=False, **more):
         texts = {"Statement": f"Definition claim : Prop := {claim}.\n", "Theorem": theorem, "Claims": CLAIMS, **more}
         monkeypatch.setattr(check, "CLAIM", {name: sha256(texts[name]) for name in ("Statement", "Claims")})
         for name, text in texts.items():
             (tmp_path / f"{name}.v").write_text(text)
-        return check.check(tmp_path)
+        return check.check(tmp_path, libraries=libraries)
 
     return checked
 
 
 @pytest.mark.needs("coqc")
 def test_a_proof_is_accepted(small):
-    assert small(THEOREM, "True")["theorems"] == {"claim_holds": []}
+    for libraries in (False, True):
+        assert small(THEOREM, "True", libraries=libraries)["theorems"] == {"claim_holds": []}
 
 
 # What tries to prove False, and the words in which it is refused.
@@ -215,6 +230,26 @@ def test_an_axiom_with_the_name_of_a_standard_one_is_refused(small):
     theorem = PRETENDED.format("Definition cheat := Gaincert.Classical_Prop.classic.\n")
     with pytest.raises(NotProvedError, match=r"Gaincert\.Classical_Prop\.classic"):
         small("Require Gaincert.Classical_Prop.\n" + theorem, Classical_Prop="Variable classic : False.\n")
+
+
+@pytest.mark.needs("coqc")
+def test_an_axiom_in_a_sealed_module_is_refused(small, monkeypatch):
+    """coqchk does not list it, and Coq's name for it begins like a standard one; the word Module is refused first."""
+    name = "classic\u00a0M"
+    hidden = f"""Module Type E. Variable x : False. End E.
+Module Type TM. Declare Module N : E. End TM.
+Module {name} : TM.
+  Module K. Variable x : False. End K.
+  Definition aux : False := K.x.
+  Module N : E with Definition x := aux := K.
+End {name}.
+"""
+    theorem = PRETENDED.format(f"Definition cheat := Gaincert.Classical_Prop.{name}.N.x.\n")
+    with pytest.raises(NotProvedError, match="assume instead of proving"):
+        small("Require Gaincert.Classical_Prop.\n" + theorem, Classical_Prop=hidden)
+    monkeypatch.setattr(check, "GAPS", re.compile("nothing"))
+    with pytest.raises(NotProvedError, match=f"assumes Classical_Prop.{name}.N.x"):
+        small("Require Gaincert.Classical_Prop.\n" + theorem, Classical_Prop=hidden)
 
 
 @pytest.mark.needs("coqc")

@@ -5,20 +5,8 @@
     So attractivity is false without psi', although (15) and (16) hold. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Sums Saturations Calculus Formation PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Sums Saturations Calculus Formation PaperFleet PaperWitness.
 Open Scope R_scope.
-
-(** The paper's fleet with psi replaced by its mean; window and level as in (12), the level for psi. *)
-Definition constant_fleet : fleet :=
-  paper_fleet_excited_by (fun _ => 5 / 4) (fun _ => 0) (fun _ => 0) (5 / 4) 0 0 (2 * PI) (25 * PI / 8).
-
-(** (A3), but with psi in place of psi' in (12). *)
-Definition A3_of_psi (F : fleet) : Prop :=
-  0 < T F /\ 0 < mu F /\
-  forall i, (i < N F)%nat -> forall t, 0 <= t ->
-    is_derive (psi F i) t (dpsi F i t) /\ is_derive (dpsi F i) t (ddpsi F i t) /\
-    Rabs (psi F i t) <= psi0 F /\ Rabs (dpsi F i t) <= psi1 F /\ Rabs (ddpsi F i t) <= psi2 F /\
-    mu F <= RInt (fun s => (psi F i s) ^ 2) t (t + T F).
 
 Lemma constant_psi_is_exciting : A3_of_psi constant_fleet.
 Proof.
@@ -29,17 +17,6 @@ Proof.
   split; [lra|]. split; [lra|]. split; [lra|].
   rewrite RInt_const. unfold scal. simpl. unfold mult. simpl. lra.
 Qed.
-
-(** Inverse of tanh on (-1, 1). *)
-Definition atanh (y : R) : R := ln ((1 + y) / (1 - y)) / 2.
-
-(** Everybody: heading turned by [turn], the same place error across that heading, at rest. *)
-Definition false_pull (turn : R) : R := 59 / 10 * tanh turn / (5 / 4).
-Definition false_formation (turn : R) : state :=
-  displaced constant_fleet
-    (fun _ => atanh (- false_pull turn * sin (5 * PI / 4 + turn)))
-    (fun _ => atanh (false_pull turn * cos (5 * PI / 4 + turn)))
-    (fun _ => 5 * PI / 4 + turn) (fun _ => 0) (fun _ => 0).
 
 Lemma false_formation_turn : forall turn i, eth constant_fleet (false_formation turn) i = by_link 0 10 i * tanh turn.
 Proof.

@@ -4,7 +4,7 @@
     The energy cannot fall for ever: the error is small at some moment before a time known in advance. *)
 From Coq Require Import Reals Lra Lia Classical.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Calculus Energies Spikes Window.
+From Gaincert Require Import Statement Definitions Sums Calculus Energies Spikes Window.
 Open Scope R_scope.
 
 (** A solution from t0 on is one from any later time on. *)

@@ -2,7 +2,7 @@
     Every term of V, W, Pv, Pw is a square, a ln cosh or x tanh x with a positive factor.
     ln cosh x is at most |x|, so V and W are small where all errors are small and bounded where they are bounded. *)
 From Coq Require Import Reals Lra.
-From Gaincert Require Import Statement Sums Saturations PullBounds EnergyDerivatives.
+From Gaincert Require Import Statement Definitions Sums Saturations PullBounds EnergyDerivatives.
 Open Scope R_scope.
 
 (** ** Energies and powers are nonnegative *)

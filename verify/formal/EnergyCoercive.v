@@ -2,7 +2,7 @@
     Each leader link and each edge holds its share of the potential, so the error at a leader link and the difference
     along an edge are small (bounded) where the potential is.  A chain of edges ties every vehicle to the leader. *)
 From Coq Require Import Reals Lra.
-From Gaincert Require Import Statement Sums Saturations EnergyDerivatives Connectivity EnergyBounds.
+From Gaincert Require Import Statement Definitions Sums Saturations EnergyDerivatives Connectivity EnergyBounds.
 Open Scope R_scope.
 
 (** ** Shares of the potential *)

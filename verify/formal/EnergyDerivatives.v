@@ -4,25 +4,8 @@
     W loses Pw and gains what the excitation alpha feeds into the turning. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus.
 Open Scope R_scope.
-
-(** ** Definitions *)
-Definition potential (F : fleet) (scale : R) (z : nat -> R) : R :=
-  sum (N F) (fun i => al F i * scale * ln (cosh (z i / scale)))
-  + / 2 * sum (N F) (fun i => sum (N F) (fun j => a F i j * scale * ln (cosh ((z i - z j) / scale)))).
-
-Definition V (F : fleet) (s : state) : R :=
-  sum (N F) (fun i => m F i / pv F i * (v s i) ^ 2 / 2)
-  + potential F (ls F) (zx F s) + potential F (ls F) (zy F s).
-
-Definition W (F : fleet) (s : state) : R :=
-  sum (N F) (fun i => J F i / pw F i * (om s i) ^ 2 / 2) + potential F (rs F) (tha F s).
-
-(** Torque of the excitation, and the powers that the damping takes out. *)
-Definition alpha (F : fleet) (t : R) (s : state) (i : nat) : R := k F i * psi F i t * across F s i.
-Definition Pv (F : fleet) (s : state) : R := sum (N F) (fun i => dv F i / pv F i * (v s i * tanh (v s i / ss F i))).
-Definition Pw (F : fleet) (s : state) : R := sum (N F) (fun i => dw F i / pw F i * (om s i * tanh (om s i / ws F i))).
 
 (** ** The errors move with the vehicles *)
 Lemma zx_derivative : forall F t0 X t i, solution F t0 X -> t0 <= t -> (i < N F)%nat ->

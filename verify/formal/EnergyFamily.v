@@ -4,7 +4,7 @@
     The subtracted terms are bounded by V and a constant, so the energy stays comparable to V and W. *)
 From Coq Require Import Reals Lra Lia.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus EnergyDerivatives CouplingRates Torques EnergyBounds.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus EnergyDerivatives CouplingRates Torques EnergyBounds.
 Open Scope R_scope.
 
 (** ** L5: the total derivative that is subtracted, and what it leaves *)

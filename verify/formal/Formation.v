@@ -4,13 +4,8 @@
     states off the formation by their errors. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus.
 Open Scope R_scope.
-
-(** Each vehicle at its place, with the leader's heading, at rest. *)
-Definition formation (F : fleet) : state := {|
-  px := fun i => offx F i + leadx F;  py := fun i => offy F i + leady F;
-  th := fun _ => leadth F;  v := fun _ => 0;  om := fun _ => 0 |}.
 
 Lemma formation_zx : forall F i, zx F (formation F) i = 0.
 Proof. intros F i. unfold zx, formation. simpl. ring. Qed.
@@ -69,11 +64,6 @@ Proof.
 Qed.
 
 (** ** States off the formation *)
-(** The state with errors (dx_i, dy_i) of position, headings, speeds and turn rates as given. *)
-Definition displaced (F : fleet) (dx dy heading speed turn : nat -> R) : state := {|
-  px := fun i => offx F i + leadx F + dx i;  py := fun i => offy F i + leady F + dy i;
-  th := heading;  v := speed;  om := turn |}.
-
 Lemma coupling_ext : forall F scale z z' i, (forall j, z j = z' j) -> coupling F scale z i = coupling F scale z' i.
 Proof.
   intros F scale z z' i Hz. unfold coupling. rewrite (Hz i). f_equal.

@@ -4,7 +4,7 @@
     horizon first and then e small.  It holds for every fleet and every gains. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus EnergyDerivatives EnergyBounds Formation ShortHorizon Existence.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus EnergyDerivatives EnergyBounds Formation ShortHorizon Existence.
 Open Scope R_scope.
 
 Section Horizon.

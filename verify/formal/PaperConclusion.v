@@ -5,7 +5,7 @@
     the limits of vehicles 2, 4, 5 and 6. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Torques PaperEquations PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Torques PaperEquations PaperFleet PaperWitness.
 Require Import Gaincert.Theorem. (* in full, since Theorem alone is a keyword *)
 Open Scope R_scope.
 

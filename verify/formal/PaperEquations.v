@@ -4,18 +4,8 @@
     Here zbar = (xbar, ybar) is a vehicle's place less its place in the formation, as in the paper. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums.
+From Gaincert Require Import Statement Definitions Sums.
 Open Scope R_scope.
-
-(** (1) and (2): the two wheel torques accelerate the vehicle by their sum and turn it by their difference. *)
-Definition vehicles_under_torques (F : fleet) (t0 : R) (X : R -> state) : Prop :=
-  forall i, (i < N F)%nat -> forall t, t0 <= t ->
-    let plus := torque_plus F t (X t) i in let minus := torque_minus F t (X t) i in
-    is_derive (fun t => px (X t) i) t (cos (th (X t) i) * v (X t) i) /\
-    is_derive (fun t => py (X t) i) t (sin (th (X t) i) * v (X t) i) /\
-    is_derive (fun t => th (X t) i) t (om (X t) i) /\
-    is_derive (fun t => v  (X t) i) t (1 / wr F i * (plus + minus) / m F i) /\
-    is_derive (fun t => om (X t) i) t (1 / wr F i * (arm F i * plus - arm F i * minus) / J F i).
 
 (** (6) inverts (2): what the torques of the controller do to the vehicles is the closed loop of the theorem. *)
 Theorem equations_1_2 : forall F t0 X, A2 F -> (solution F t0 X <-> vehicles_under_torques F t0 X).
@@ -29,12 +19,6 @@ Proof.
   split; intros H i Hi t Ht; specialize (H i Hi t Ht); cbv zeta in *;
     destruct (E t (X t) i Hi) as [Ev Ew]; rewrite Ev, Ew in *; exact H.
 Qed.
-
-Definition unit_scales (F : fleet) : Prop :=
-  ls F = 1 /\ rs F = 1 /\ forall i, (i < N F)%nat -> ss F i = 1 /\ ws F i = 1.
-
-Definition xbar (F : fleet) (s : state) i := px s i - offx F i.
-Definition ybar (F : fleet) (s : state) i := py s i - offy F i.
 
 Lemma coupling_unit : forall F z zbar zl i, (forall j, z j = zbar j - zl) ->
   coupling F 1 z i = al F i * tanh (zbar i - zl) + sum (N F) (fun j => a F i j * tanh (zbar i - zbar j)).

@@ -4,13 +4,8 @@
     at its peak at t = pi/5): W' is -0.037, the printed "upper bound" is -15.195. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
 Open Scope R_scope.
-
-(** The right-hand side of the first inequality after (20), as printed. *)
-Definition printed_bound_after_20 (F : fleet) (s : state) : R :=
-  - sum (N F) (fun i => 1 / pw F i *
-      (dw F i * om s i * tanh (om s i) - om s i * (sqrt 2 * k F i * psi0 F * deg F i))).
 
 Definition only_vehicle_2 (x other : R) (i : nat) : R := match i with 1%nat => x | _ => other end.
 

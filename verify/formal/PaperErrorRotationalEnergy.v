@@ -5,7 +5,7 @@
     W rises.  The paper's gains, graph and psi, the controller's own alpha. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
 Open Scope R_scope.
 
 Definition vehicles_1_2 (x y other : R) (i : nat) : R := match i with 0%nat => x | 1%nat => y | _ => other end.

@@ -3,12 +3,8 @@
     place and heading and spinning at 40 rad/s: its u_w is above 180, the paragraph promises at most 146.02. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Sums Torques Saturations Formation PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Sums Torques Saturations Formation PaperFleet PaperWitness.
 Open Scope R_scope.
-
-(** ubar_w as the saturation paragraph prints it; Proposition 1's is [ubar_w]. *)
-Definition ubar_w_of_the_paragraph (F : fleet) (i : nat) : R :=
-  dw F i + pw F i * al F i + (pw F i + sqrt 2 * k F i * psi0 F) * (deg F i - al F i).
 
 Lemma paragraph_number : forall i, i = 1%nat \/ i = 3%nat ->
   14601 / 100 < ubar_w_of_the_paragraph paper_fleet i < 14602 / 100.

@@ -1,55 +1,10 @@
-(** * PaperFleet.v : sanity of the hypotheses (A1)-(A3): the paper's own fleet meets them.
-    Tables 1 and 2 and the gains of Section 4, the drive as printed (arm = 2 R).  Two things are readings: psi has 4/((2k-1) pi)
-    where the text prints 4/(2k-1) pi, with which (15) would fail; and Fig. 2, which is a picture, is taken as the ring
-    1-2-3-4-5-6-1 with chord 2-4, weights 1, and leader weight 10 to vehicles 2 and 4.
+(** * PaperFleet.v : sanity of the hypotheses (A1)-(A3): the paper's own fleet (Definitions.v) meets them.
     Idea: the 64 sets of vehicles are looked at one by one for (A1); psi is a polynomial in sin(t/2), which
-    interval arithmetic bounds; the integral (12) is exactly 20/pi, because cos(n t) integrates to 0 over 2 pi.
-    Vehicle 1 of the paper is number 0 here. *)
+    interval arithmetic bounds; the integral (12) is exactly 20/pi, because cos(n t) integrates to 0 over 2 pi. *)
 From Coq Require Import Reals Lra Lia.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics.
+From Gaincert Require Import Statement Definitions Numerics.
 Open Scope R_scope.
-
-(** ** The paper's psi and its two derivatives *)
-Definition paper_psi (t : R) : R :=
-  5 / 4 + 4 / PI * (sin (t / 2) + sin (3 * t / 2) / 3 + sin (5 * t / 2) / 5
-                    + sin (7 * t / 2) / 7 + sin (9 * t / 2) / 9).
-Definition paper_dpsi (t : R) : R :=
-  2 / PI * (cos (t / 2) + cos (3 * t / 2) + cos (5 * t / 2) + cos (7 * t / 2) + cos (9 * t / 2)).
-Definition paper_ddpsi (t : R) : R :=
-  - (1 / PI) * (sin (t / 2) + 3 * sin (3 * t / 2) + 5 * sin (5 * t / 2)
-                + 7 * sin (7 * t / 2) + 9 * sin (9 * t / 2)).
-
-(** ** Graph and parameters *)
-Definition paper_edge (i j : nat) : R :=
-  match i, j with
-  | 0, 1 | 1, 0 | 1, 2 | 2, 1 | 2, 3 | 3, 2 | 3, 4 | 4, 3 | 4, 5 | 5, 4 | 5, 0 | 0, 5 | 1, 3 | 3, 1 => 1%R
-  | _, _ => 0%R
-  end%nat.
-(** One value for vehicles 1 and 2, one for 3 and 4, one for 5 and 6 (Table 1). *)
-Definition by_pair (p q r : R) (i : nat) : R :=
-  match i with 0%nat | 1%nat => p | 2%nat | 3%nat => q | _ => r end.
-(** One value for the vehicles without a leader link, one for 2 and 4 that have it. *)
-Definition by_link (p q : R) (i : nat) : R := match i with 1%nat | 3%nat => q | _ => p end.
-
-(** The fleet of the paper with any excitation; then with the paper's own. *)
-Definition paper_fleet_excited_by (p dp ddp : R -> R) (b0 b1 b2 window level : R) : fleet := {|
-  N := 6;
-  a := paper_edge;  al := by_link 0 10;
-  offx := fun i => match i with 0%nat => -5 | 1%nat => - (5 / 2) | 2%nat => 0 | 3%nat => 5 / 2 | 4%nat => 5 | _ => 0 end;
-  offy := fun i => match i with 1%nat | 3%nat => 2 | 2%nat => 7 | _ => -3 end;
-  leadx := -25;  leady := -25;  leadth := 5 * PI / 4;
-  m := by_pair 10 36 23;  J := by_pair 3 (15625 / 1000) (93125 / 10000);
-  wr := by_pair (5 / 100) (15 / 100) (10 / 100);  arm := by_pair (2 * (3 / 10)) (2 * (35 / 100)) (2 * (225 / 1000));
-  pv := fun _ => 56;  dv := fun _ => 840;
-  pw := by_link (28 / 10) (59 / 10);  dw := by_link 28 59;  k := by_link 3 1;
-  ls := 1;  rs := 1;  ss := fun _ => 1;  ws := fun _ => 1;
-  psi := fun _ => p;  dpsi := fun _ => dp;  ddpsi := fun _ => ddp;
-  psi0 := b0;  psi1 := b1;  psi2 := b2;  T := window;  mu := level
-|}.
-
-Definition paper_fleet : fleet := paper_fleet_excited_by paper_psi paper_dpsi paper_ddpsi
-  (24323283 / 10000000) (10 / PI) (25 / PI) (2 * PI) (20 / PI).
 
 (** ** (A1): the graph *)
 Lemma six_cases : forall (P : nat -> Prop),

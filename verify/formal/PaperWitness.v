@@ -3,7 +3,7 @@
     paper's fleet every quantity of the controller is then a closed number, which interval arithmetic bounds. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Numerics Sums Saturations EnergyDerivatives Formation PaperFleet.
+From Gaincert Require Import Statement Definitions Numerics Sums Saturations EnergyDerivatives Formation PaperFleet.
 Open Scope R_scope.
 
 Lemma displaced_alpha : forall F dx dy heading speed turn t i,
@@ -12,21 +12,6 @@ Lemma displaced_alpha : forall F dx dy heading speed turn t i,
 Proof.
   intros F dx dy heading speed turn t i. unfold alpha, across. rewrite displaced_ex, displaced_ey. reflexivity.
 Qed.
-
-(** The derivative of W according to (20), with the controller's own alpha. *)
-Definition W_rate (F : fleet) (t : R) (s : state) : R :=
-  - Pw F s + sum (N F) (fun i => om s i * alpha F t s i / pw F i).
-
-(** ** The conditions of Proposition 1, as printed (unit scales, arm = 2 R) *)
-Definition ubar_v (F : fleet) (i : nat) : R := dv F i + sqrt 2 * pv F i * deg F i.
-Definition ubar_w (F : fleet) (i : nat) : R := dw F i + pw F i * deg F i + sqrt 2 * k F i * psi0 F * deg F i.
-Definition condition_15 (F : fleet) : Prop := forall i, (i < N F)%nat ->
-  sqrt 2 * k F i * psi0 F * deg F i / tanh 1 <= dw F i.
-Definition condition_16 (F : fleet) (limit : nat -> R) : Prop := forall i, (i < N F)%nat ->
-  arm F i * ubar_v F i + ubar_w F i < 2 * arm F i / wr F i * limit i.
-
-(** Table 1, N m. *)
-Definition paper_torque_limit : nat -> R := by_pair 55 160 56.
 
 (** D_i = a_il + l_ii of the paper's graph. *)
 Lemma paper_degrees : forall i, (i < 6)%nat -> deg paper_fleet i = by_link 2 13 i.

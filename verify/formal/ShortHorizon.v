@@ -5,7 +5,7 @@
     sin(heading error) * speed, of order e^2 only. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus EnergyDerivatives EnergyBounds Formation.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus EnergyDerivatives EnergyBounds Formation.
 Open Scope R_scope.
 
 Definition aside (F : fleet) (e : R) : state :=

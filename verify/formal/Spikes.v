@@ -4,7 +4,7 @@
     Everything is the mean value theorem on three pieces of a window; no integral is needed. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus Energies.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus Energies.
 Open Scope R_scope.
 
 (** The spike: Y never rises faster than e, and falls by c faster wherever |f| >= eta/2. *)

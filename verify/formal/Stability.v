@@ -4,7 +4,7 @@
     or none is, and the heading error was small at its start: W never climbs above its level. *)
 From Coq Require Import Reals Lra Lia Classical.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus Energies WindowIncrements Spikes Window Dichotomy.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus Energies WindowIncrements Spikes Window Dichotomy.
 Open Scope R_scope.
 
 (** The error is the error of position and speed plus the error of heading and turn rate. *)

@@ -4,7 +4,7 @@
     torque small, so the heading errors are small (WindowHeading); small pulls mean small position errors by L9. *)
 From Coq Require Import Reals Lra Lia.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations EnergyDerivatives InverseBound WindowIncrements.
+From Gaincert Require Import Statement Definitions Sums Saturations EnergyDerivatives InverseBound WindowIncrements.
 From Gaincert Require Export WindowHeading.
 From Gaincert Require Import WindowSpeed WindowAcross.
 Open Scope R_scope.

@@ -4,7 +4,7 @@
     restoring torque is small; headings hardly move in that window, so it is small at the window's start; then L9. *)
 From Coq Require Import Reals Lra Lia.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Sums Saturations Calculus EnergyDerivatives InverseBound WindowIncrements.
+From Gaincert Require Import Statement Definitions Sums Saturations Calculus EnergyDerivatives InverseBound WindowIncrements.
 Open Scope R_scope.
 
 (** Three small terms leave the fourth small. *)

@@ -1,12 +1,12 @@
 """Checks the proof of the theorem with Coq and records what each claim rests on; standard library only.
 
-    python verify/formal/check.py               # what `make formal` runs
-    python verify/formal/check.py --libraries   # coqchk goes through the libraries of Coq, too: a minute more
+    python3 -I verify/formal/check.py               # what `make formal` runs
+    python3 -I verify/formal/check.py --libraries   # coqchk goes through the libraries of Coq, too: a minute more
 
-What is claimed stands in `Statement.v` and `Claims.v`, word for word: a change of them is a change of the claim, and is
-refused here until `CLAIM` has its digest. The sources are looked through for words that would leave a gap and compiled
-afresh; the axioms that Coq prints for each claim are read; and `coqchk` checks all that was compiled once more, without
-tactics. Then `checked.json` is written. Nothing is installed.
+What is claimed stands in `Statement.v`, `Definitions.v` and `Claims.v`, word for word: a change of them is a change of
+the claim, and is refused here until `CLAIM` has its digest. The sources are looked through for words that would leave a
+gap and compiled afresh; the axioms that Coq prints for each claim are read; and `coqchk` checks all that was compiled
+once more, without tactics. Then `checked.json` is written. Nothing is installed.
 Exit codes: 0 proved; 1 not proved, with the reason; 2 Coq or one of its libraries is missing.
 """
 
@@ -30,7 +30,8 @@ FOLDER = Path(__file__).resolve().parent
 RECORD = FOLDER / "checked.json"
 CLAIM = {
     "Statement": "sha256:362fc641e2001a45d686406003aeda235efddd07845de419d913ede6beddd926",
-    "Claims": "sha256:b0be675227608f299ef98d27f32aadee430b5d4ee2ffca75e542b351bd2cdcc3",
+    "Definitions": "sha256:c26b2e58c642176b77f1e8ff47fcda03570bee8a8e7f23e0b11d10c4496aea27",
+    "Claims": "sha256:6338dd66825557b05a8893f0615812eb6f3dd84b665ad78fe121078e2ec1300c",
 }
 # What the standard real numbers, classical logic and functional extensionality bring; nothing else may be assumed.
 STANDARD_AXIOMS = frozenset(
@@ -41,9 +42,12 @@ STANDARD_AXIOMS = frozenset(
         "FunctionalExtensionality.functional_extensionality_dep",
     }
 )
-# Commands that assume a statement, leave a proof open, switch a check off, or bring in what is not among the sources.
+# Words, also in comments, of commands that assume a statement, leave a proof open, switch a check off, hide in a module
+# of their own what coqchk would list, or bring in what is not among the sources.
 GAPS = re.compile(
-    r"\b(Admitted|admit|give_up|Axioms?|Parameters?|Conjectures?|Primitive|Unset\s+\w+\s+Checking|bypass_check|ML|Load)\b"
+    r"(?<![A-Za-z_'])(Admitted|admit|give_up|Axioms?|Parameters?|Conjectures?|Primitive|Checking|bypass_check|ML|Load"
+    r"|Module(?! [A-Z]\w* := [\w. ]+\.\s))(?![\w'])",
+    re.ASCII,
 )
 LIBRARIES = ("Coquelicot.Coquelicot", "Interval.Tactic")
 COQ = ["-q", "-Q", ".", "Gaincert"]
@@ -68,7 +72,10 @@ def sources(folder: Path = FOLDER) -> dict[str, str]:
     for path in sorted(folder.glob("*.v")):
         if not path.is_file() or not re.fullmatch(r"[A-Za-z]\w*", path.stem, re.ASCII):
             raise NotProvedError(f"{path.name!r}: a source is a file named by letters, digits and _")
-        found[path.stem] = path.read_text(encoding="utf-8")
+        try:
+            found[path.stem] = path.read_text(encoding="utf-8")
+        except (OSError, UnicodeError) as error:
+            raise NotProvedError(f"{path.name} cannot be read: {error}") from error
     return found
 
 
@@ -96,7 +103,7 @@ def without_comments(text: str) -> str:
 
 def gaps(texts: Mapping[str, str]) -> list[str]:
     """Every place that assumes a statement instead of proving it: "File.v: Admitted"."""
-    return [f"{name}.v: {found.group()}" for name in texts for found in GAPS.finditer(without_comments(texts[name]))]
+    return [f"{name}.v: {found.group()}" for name in texts for found in GAPS.finditer(texts[name])]
 
 
 def claims(texts: Mapping[str, str]) -> list[str]:
@@ -113,11 +120,11 @@ def claims(texts: Mapping[str, str]) -> list[str]:
 def assumptions(answer: str) -> list[list[str]]:
     """For every `Print Assumptions`, in order: the names that Coq lists, sorted."""
     blocks: list[list[str]] = []
-    for line in answer.splitlines():
-        if line.startswith(("Closed under the global context", "Axioms:")):
+    for line in answer.split("\n"):
+        if line in ("Closed under the global context", "Axioms:"):
             blocks.append([])
-        elif line and not line[0].isspace() and blocks:
-            blocks[-1].append(re.split(r"\s|:", line, maxsplit=1)[0])
+        elif line and not line.startswith("  ") and blocks:
+            blocks[-1].append(line.split(" ")[0])  # a name may hold any sign but a blank
     return [sorted(block) for block in blocks]
 
 
@@ -188,8 +195,9 @@ def checked_again(texts: Mapping[str, str], work: Path, *, libraries: bool) -> N
     said = done.stdout + done.stderr
     _, _, listed = said.partition("* Axioms:")
     axioms, _, unsafe = listed.partition("* Constants/Inductives relying on type-in-type:")
-    ours = [name for name in axioms.split() if name.startswith("Gaincert.")]
-    other = [name for name in axioms.split() if not name.endswith(tuple(f".{axiom}" for axiom in STANDARD_AXIOMS))]
+    names = [name for name in axioms.split() if name != "<none>"]
+    ours = [name for name in names if name.startswith("Gaincert.")]
+    other = [name for name in names if not name.endswith(tuple(f".{axiom}" for axiom in STANDARD_AXIOMS))]
     if "Set is predicative" not in said or unsafe.count("<none>") != 3 or ours or (libraries and other):
         raise NotProvedError(f"coqchk finds an assumption that is not one of the standard axioms:\n{said}")
 
@@ -233,10 +241,14 @@ def main() -> int:
     except NotProvedError as error:
         print(f"not proved: {error}", file=sys.stderr)  # noqa: T201
         return 1
+    try:
+        RECORD.write_text(as_text(record))
+    except OSError as error:
+        print(f"{RECORD} cannot be written: {error}", file=sys.stderr)  # noqa: T201
+        return 1
     for name, axioms in record["theorems"].items():  # type: ignore[attr-defined]
         print(f"{name}: {', '.join(axioms) or 'no assumption'}")  # noqa: T201
     print(f"proved with Coq {record['coq']}, sources {record['digest']}; recorded in {RECORD.name}")  # noqa: T201
-    RECORD.write_text(as_text(record))
     return 0
 
 
