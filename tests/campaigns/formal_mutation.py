@@ -1,8 +1,8 @@
 """The formal proof mutated: `python -m tests.campaigns.formal_mutation [--file NAME]`, from the repository's root.
 
 A mutant is the sources of `verify/formal` in which the proof of one lemma is empty, or in which one hypothesis of the
-theorem, (A1) to (A3) of `Statement.v`, is `True`. Coq must refuse it: a lemma that holds without its proof says
-nothing, and a hypothesis that no proof needs does not belong into the statement. Exit code 1 if a mutant compiles.
+theorem, (A1) to (A3) of `Statement.v`, is `True`. Coq must refuse it: a hypothesis that no proof uses does not belong
+into the statement. Exit code 1 if a mutant compiles.
 
 An empty proof is compiled in its own file, on top of the unchanged others; a missing hypothesis in all that lead to
 the claims, without the paper's fleet, whose proofs only show that the hypotheses hold.

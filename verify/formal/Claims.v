@@ -1,12 +1,12 @@
 (** * Claims.v : everything that is claimed, word for word, and what each theorem assumes.
-    Coq refuses this file where a theorem does not say what stands here, and prints every axiom that its proof uses.
+    Coq refuses this file where a theorem does not say what stands here, and prints every axiom that the proofs use.
     Allowed are those of the standard real numbers, classical logic and functional extensionality: nothing else may appear.
     Nothing of the project is imported, so that every name below means what its file defines. *)
 From Coq Require Import Reals.
 From Coquelicot Require Import Coquelicot.
 Require Gaincert.Statement Gaincert.Theorem Gaincert.Existence Gaincert.Uniqueness Gaincert.TorqueSharp
   Gaincert.NotExponential Gaincert.Definitions Gaincert.Formation Gaincert.PaperEquations Gaincert.PaperFleet
-  Gaincert.PaperWitness Gaincert.PaperConclusion Gaincert.PaperErrorAfter20 Gaincert.PaperErrorRotationalEnergy
+  Gaincert.PaperProposition1 Gaincert.PaperWitness Gaincert.PaperConclusion Gaincert.PaperErrorAfter20 Gaincert.PaperErrorRotationalEnergy
   Gaincert.PaperErrorTorque Gaincert.ConstantExcitation.
 Module S := Gaincert.Statement. (* S.x is x of Statement.v *)
 Module D := Gaincert.Definitions.
@@ -71,6 +71,15 @@ Definition equation_10 : forall F s i, D.unit_scales F ->
   := @Gaincert.PaperEquations.equation_10.
 Print Assumptions equation_10.
 
+(** ** Proposition 1 of the paper *)
+Definition proposition_1 : forall F limit, D.unit_scales F -> S.A1 F -> S.A2 F -> S.A3 F ->
+  D.condition_15 F -> D.condition_16 F limit ->
+  S.uniformly_bounded F /\ S.uniformly_stable F /\ S.uniformly_attractive F /\
+  forall i t s, (i < S.N F)%nat -> 0 <= t ->
+    Rabs (S.torque_plus F t s i) < limit i /\ Rabs (S.torque_minus F t s i) < limit i
+  := @Gaincert.PaperProposition1.proposition_1.
+Print Assumptions proposition_1.
+
 (** ** The paper's own fleet *)
 Definition paper_fleet_has_unit_scales : D.unit_scales D.paper_fleet
   := @Gaincert.PaperConclusion.paper_fleet_has_unit_scales.
@@ -80,12 +89,11 @@ Definition paper_fleet_meets_conditions_15_16 :
   D.condition_15 D.paper_fleet /\ D.condition_16 D.paper_fleet D.paper_torque_limit
   := @Gaincert.PaperWitness.paper_fleet_meets_conditions_15_16.
 Definition paper_fleet_reaches_its_formation :
-  S.uniformly_bounded D.paper_fleet /\ S.uniformly_stable D.paper_fleet /\ S.uniformly_attractive D.paper_fleet
+  S.uniformly_bounded D.paper_fleet /\ S.uniformly_stable D.paper_fleet /\ S.uniformly_attractive D.paper_fleet /\
+  forall i t s, (i < 6)%nat -> 0 <= t ->
+    Rabs (S.torque_plus D.paper_fleet t s i) < D.paper_torque_limit i /\
+    Rabs (S.torque_minus D.paper_fleet t s i) < D.paper_torque_limit i
   := @Gaincert.PaperConclusion.paper_fleet_reaches_its_formation.
-Definition paper_fleet_keeps_its_torque_limits : forall i t s, (i < 6)%nat -> 0 <= t ->
-  Rabs (S.torque_plus D.paper_fleet t s i) < D.paper_torque_limit i /\
-  Rabs (S.torque_minus D.paper_fleet t s i) < D.paper_torque_limit i
-  := @Gaincert.PaperConclusion.paper_fleet_keeps_its_torque_limits.
 
 (** ** What the paper prints and is false, and what is true in its place *)
 Definition inequality_after_20_is_false : ~ (forall t s, 0 <= t ->
@@ -127,8 +135,8 @@ Definition constant_psi_is_not_enough : let F := D.constant_fleet in
 (** In one, since every print goes through the whole library of interval arithmetic. *)
 Definition claims_of_the_paper :=
   (paper_fleet_has_unit_scales, paper_fleet_meets_the_hypotheses, paper_fleet_meets_conditions_15_16,
-   paper_fleet_reaches_its_formation, paper_fleet_keeps_its_torque_limits, inequality_after_20_is_false,
-   inequality_after_20_is_false_on_a_solution, rotational_energy_can_rise, rotational_energy_rises_on_a_solution,
-   paragraph_bound_is_exceeded, proposition_1_number, proposition_1_bound_holds, false_formations_begin_at_the_goal,
-   false_formation_is_a_solution, constant_psi_is_not_enough).
+   paper_fleet_reaches_its_formation, inequality_after_20_is_false, inequality_after_20_is_false_on_a_solution,
+   rotational_energy_can_rise, rotational_energy_rises_on_a_solution, paragraph_bound_is_exceeded,
+   proposition_1_number, proposition_1_bound_holds, false_formations_begin_at_the_goal, false_formation_is_a_solution,
+   constant_psi_is_not_enough).
 Print Assumptions claims_of_the_paper.

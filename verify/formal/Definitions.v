@@ -35,6 +35,7 @@ Definition xbar (F : fleet) (s : state) i := px s i - offx F i.
 Definition ybar (F : fleet) (s : state) i := py s i - offy F i.
 
 (** ** The energies V of (17) and W of (19), with scales *)
+(** The potential of errors z whose gradient is the coupling: sums of scale ln cosh (z / scale) over links. *)
 Definition potential (F : fleet) (scale : R) (z : nat -> R) : R :=
   sum (N F) (fun i => al F i * scale * ln (cosh (z i / scale)))
   + / 2 * sum (N F) (fun i => sum (N F) (fun j => a F i j * scale * ln (cosh ((z i - z j) / scale)))).
@@ -44,7 +45,7 @@ Definition V (F : fleet) (s : state) : R :=
 Definition W (F : fleet) (s : state) : R :=
   sum (N F) (fun i => J F i / pw F i * (om s i) ^ 2 / 2) + potential F (rs F) (tha F s).
 
-(** Torque of the excitation, and the powers that the damping takes out. *)
+(** Torque of the excitation; and by how much the damping makes V and W fall: powers over p_v and p_omega. *)
 Definition alpha (F : fleet) (t : R) (s : state) (i : nat) : R := k F i * psi F i t * across F s i.
 Definition Pv (F : fleet) (s : state) : R := sum (N F) (fun i => dv F i / pv F i * (v s i * tanh (v s i / ss F i))).
 Definition Pw (F : fleet) (s : state) : R := sum (N F) (fun i => dw F i / pw F i * (om s i * tanh (om s i / ws F i))).
@@ -78,7 +79,8 @@ Definition by_pair (p q r : R) (i : nat) : R :=
 (** One value for the vehicles without a leader link, one for 2 and 4 that have it. *)
 Definition by_link (p q : R) (i : nat) : R := match i with 1%nat | 3%nat => q | _ => p end.
 
-(** The fleet of the paper with any excitation; then with the paper's own. *)
+(** The fleet of the paper with any excitation, its two derivatives, the bounds b0, b1, b2 of the three, and window and
+    level of (12); then with the paper's own.  Tables 1 and 2, the gains of Section 4, arm = 2 R. *)
 Definition paper_fleet_excited_by (p dp ddp : R -> R) (b0 b1 b2 window level : R) : fleet := {|
   N := 6;
   a := paper_edge;  al := by_link 0 10;
@@ -100,6 +102,7 @@ Definition paper_fleet : fleet := paper_fleet_excited_by paper_psi paper_dpsi pa
 Definition paper_torque_limit : nat -> R := by_pair 55 160 56.
 
 (** ** The conditions of Proposition 1, as printed (unit scales, arm = 2 R) *)
+(** The maximum inputs of Proposition 1. *)
 Definition ubar_v (F : fleet) (i : nat) : R := dv F i + sqrt 2 * pv F i * deg F i.
 Definition ubar_w (F : fleet) (i : nat) : R := dw F i + pw F i * deg F i + sqrt 2 * k F i * psi0 F * deg F i.
 Definition condition_15 (F : fleet) : Prop := forall i, (i < N F)%nat ->
@@ -133,8 +136,11 @@ Definition A3_of_psi (F : fleet) : Prop :=
 (** Inverse of tanh on (-1, 1). *)
 Definition atanh (y : R) : R := ln ((1 + y) / (1 - y)) / 2.
 
-(** Everybody: heading turned by [turn], the same place error across that heading, at rest. *)
+(** The pull across the heading that holds vehicles 2 and 4 turned: p_omega tanh turn / (k psi).  The others have no leader
+    link, and neighbours with the same errors: they feel no pull. *)
 Definition false_pull (turn : R) : R := 59 / 10 * tanh turn / (5 / 4).
+
+(** Everybody: heading turned by [turn], the same place error across that heading, at rest. *)
 Definition false_formation (turn : R) : state :=
   displaced constant_fleet
     (fun _ => atanh (- false_pull turn * sin (5 * PI / 4 + turn)))

@@ -30,8 +30,8 @@ FOLDER = Path(__file__).resolve().parent
 RECORD = FOLDER / "checked.json"
 CLAIM = {
     "Statement": "sha256:362fc641e2001a45d686406003aeda235efddd07845de419d913ede6beddd926",
-    "Definitions": "sha256:c26b2e58c642176b77f1e8ff47fcda03570bee8a8e7f23e0b11d10c4496aea27",
-    "Claims": "sha256:6338dd66825557b05a8893f0615812eb6f3dd84b665ad78fe121078e2ec1300c",
+    "Definitions": "sha256:49926fc4c3495cafcf10c16cce3859086972671a3f7bc09eed5fd49492dcf0a6",
+    "Claims": "sha256:f5a5097f058febce36a0e87175701d2dc832f86dbdcb09731768dcbd6948efbc",
 }
 # What the standard real numbers, classical logic and functional extensionality bring; nothing else may be assumed.
 STANDARD_AXIOMS = frozenset(
