@@ -11,7 +11,7 @@ from typing import Any
 from ...models.files.text import write_text
 from ...verify.proof import theorem_proved
 from ...verify.proof.claim import Claim, Fact, Implication, Kind, Quotation, Relation, Status
-from ...verify.proof.formal import STATEMENT, development
+from ...verify.proof.formal import DEFINITIONS, STATEMENT, development
 from .. import rendering
 from . import graph as proof_graph
 from .inline import inline_html, inline_markdown, inline_tex
@@ -135,7 +135,10 @@ def render(name: str, claims: Sequence[Claim], graph: str = "") -> str:
         letters=meanings(expressions(ordered)),
         statuses=[status for status in Status if any(claim.status is status for claim in ordered)],
         formal=formal,
-        formal_statement=formal.sources[STATEMENT],
+        formal_words={
+            f"{STATEMENT}.v: what exactly is proved": formal.sources[STATEMENT],
+            f"{DEFINITIONS}.v: what the claims beside the theorem speak of": formal.sources[DEFINITIONS],
+        },
         graph=graph,
         letters_note=LETTERS_NOTE,
         words=_WORDS,

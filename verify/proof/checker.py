@@ -9,7 +9,7 @@ from ...models.fleet import Fleet
 from ...models.gains import Gains
 from ...models.paper import paper_fleet, paper_gains
 from .claim import Claim, Kind
-from .formal import development
+from .formal import Development, development, proved_by
 from .lemmas.theorem import lemmas
 from .method.rules import restated
 from .printed import boundedness, convergence, energies, model, saturation, section_4
@@ -48,14 +48,14 @@ def symbolic() -> list[Claim]:
         *section_4.claims(formal),
         *saturation.on_the_paper(),
     ]
-    proposition = _proposition({claim.id: claim for claim in printed})
+    proposition = _proposition({claim.id: claim for claim in printed}, formal)
     return [*printed, proposition, *model.scales(), *proved]
 
 
-def _proposition(printed: dict[str, Claim]) -> Claim:
+def _proposition(printed: dict[str, Claim], formal: Development) -> Claim:
     """Proposition 1 is true, though its proof is not: the limits (3)-(4) by the theorem, Constraint 1 by (16)."""
     facts = (*printed["eq-3-4"].facts, *printed["eq-16"].facts)
-    return Claim("prop-1", Kind.PAPER, tuple(map(restated, facts)))
+    return Claim("prop-1", Kind.PAPER, (*map(restated, facts), proved_by("proposition_1", formal)))
 
 
 def this_fleet(fleet: Fleet, gains: Gains | None, proved: dict[str, Claim]) -> list[Claim]:

@@ -16,6 +16,7 @@ from ..formal import check
 from .claim import Fact, Method, Quotation
 
 STATEMENT = "Statement"  # the file that says what is proved
+DEFINITIONS = "Definitions"  # what the claims beside the theorem speak of
 
 
 @dataclass(frozen=True)
