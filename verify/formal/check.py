@@ -52,7 +52,7 @@ GAPS = re.compile(
 LIBRARIES = ("Coquelicot.Coquelicot", "Interval.Tactic")
 COQ = ["-q", "-Q", ".", "Gaincert"]
 SECONDS = 1800  # that one file or one check may take
-MISSING = """{} not found. The proof check needs Coq 8.16 or later with Coquelicot and Interval; install them first:
+MISSING = """{} not found. The proof check needs Coq (known to pass: 8.16), Coquelicot and Interval; install them first:
   Debian, Ubuntu: apt-get install coq libcoq-coquelicot libcoq-interval
   opam:           opam repo add coq-released https://coq.inria.fr/opam/released
                   opam install coq coq-coquelicot coq-interval"""
