@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -54,28 +54,33 @@ def acceleration(vehicle: Vehicle) -> float:
     return float(torque / (nominal(vehicle.wheel_radius) * nominal(vehicle.mass)))
 
 
+def motor_torque(vehicle: Vehicle) -> float:
+    """The smaller torque limit of both wheels, N m."""
+    return float(min(low(vehicle.torque_limit.left), low(vehicle.torque_limit.right)))
+
+
 def slips(fleet: Fleet) -> list[str]:
     """One line for every kind of slip, with the vehicles that it concerns."""
-    found: dict[str, list[tuple[str, str]]] = defaultdict(list)
-    for vehicle in fleet.vehicles:
-        for slip in (*_of_numbers(vehicle), *_of_limits(vehicle), *_of_places(vehicle, fleet.leader)):
-            found[slip.kind].append((vehicle.name, slip.text))
     return [
         *_of_leader(fleet.leader),
         *_of_table(fleet),
-        *(_line(entries, len(fleet)) for entries in found.values()),
+        *_lines(fleet, lambda one: (*_of_numbers(one), *_of_limits(one), *_of_places(one, fleet.leader))),
         *(_on_one_place(fleet) or _too_near(fleet)),
     ]
 
 
 def slips_of_run(fleet: Fleet, sample_time: float, delay: float, coulomb: float) -> list[str]:
     """The same of what only a run has: times (s) and friction (N m) that it is disturbed with; starts above limits."""
+    return [*_of_disturbance(fleet, sample_time, delay, coulomb), *_lines(fleet, _of_start)]
+
+
+def _lines(fleet: Fleet, slips_of: Callable[[Vehicle], Iterable[Slip]]) -> Iterator[str]:
+    """One line for every kind of slip that a vehicle has."""
     found: dict[str, list[tuple[str, str]]] = defaultdict(list)
     for vehicle in fleet.vehicles:
-        for slip in _of_start(vehicle):
+        for slip in slips_of(vehicle):
             found[slip.kind].append((vehicle.name, slip.text))
-    lines = [_line(entries, len(fleet)) for entries in found.values()]
-    return [*_of_disturbance(fleet, sample_time, delay, coulomb), *lines]
+    return (_line(entries, len(fleet)) for entries in found.values())
 
 
 def _line(entries: Sequence[tuple[str, str]], count: int) -> str:
@@ -208,16 +213,12 @@ def _of_disturbance(fleet: Fleet, sample_time: float, delay: float, coulomb: flo
     ):
         if time > LATE:
             yield f"disturbance: {key} = {time:g} s is late for any robot: it is a time in s, {other}"
-    share, weakest = max((coulomb / _torque(vehicle), vehicle.name) for vehicle in fleet.vehicles)
+    share, weakest = max((coulomb / motor_torque(vehicle), vehicle.name) for vehicle in fleet.vehicles)
     if DRAGGING < share < 1:  # what holds a motor for good is an obstacle
         yield (
             f"disturbance: coulomb = {coulomb:g} N m takes {100 * share:.0f} % of the torque of {weakest!r}: "
             "it is the friction at one wheel, in N m"
         )
-
-
-def _torque(vehicle: Vehicle) -> float:
-    return float(min(low(vehicle.torque_limit.left), low(vehicle.torque_limit.right)))
 
 
 def in_degrees(pose: Pose) -> bool:

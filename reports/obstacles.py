@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from ..models.fleet import Fleet
 from ..models.numbers import nominal
+from ..models.plausibility import motor_torque
 from ..models.tolerance import Tolerance
-from .tables.demands_table import DemandRow, coulomb, motor_torque
+from .tables.demands_table import DemandRow, coulomb
 
 if TYPE_CHECKING:  # `check` needs no integrators
     from ..verify.simulation.room import Room

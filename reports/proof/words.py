@@ -130,7 +130,7 @@ PAPER: dict[str, Words] = {
         "saturation paragraph, u_bar_omega",
         "sqrt2 k psi_bar a_il is missing where a vehicle hears the leader; Proposition 1 has it right. The second "
         "witness has the paper's gains.",
-        "Motors must not be sized by this paragraph: it asks for too little torque of turning.",
+        "Motors must not be sized by this paragraph: its bound of the turning input is too small.",
     ),
     "ubar-omega-prop": Words("Proposition 1, u_bar_omega", "The supremum; no state attains it."),
     "max-torque": Words("saturation paragraph, torques", "The triangle inequality in (6)."),

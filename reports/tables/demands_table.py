@@ -11,10 +11,8 @@ from ...models.arrays import Array, floats
 from ...models.conditions import ConditionData, float_numbers, pulling_bound, torque_bound, turning_bound
 from ...models.excitation import Excitation
 from ...models.fleet import Fleet
-from ...models.fleet_tables import Vehicle
 from ...models.gains import Gains
 from ...models.graph import Graph
-from ...models.numbers import low
 from ...models.standstill import farthest_standstill
 from .terminal import TerminalTable
 
@@ -110,8 +108,3 @@ def _stops(row: DemandRow) -> str:
 
 def _finite(value: float, otherwise: str) -> str:
     return otherwise if math.isinf(value) else f"{value:.3g}"
-
-
-def motor_torque(vehicle: Vehicle) -> float:
-    """The smaller torque limit of both wheels, N m."""
-    return float(min(low(vehicle.torque_limit.left), low(vehicle.torque_limit.right)))

@@ -192,9 +192,9 @@ class Source:
                     found[quantity] = rate
         return found
 
-    def at_most(self, name: str) -> list[tuple[Any, Any]]:
-        """Both sides of every <= in a definition."""
-        return [part.parts for part in self.parts(name) if isinstance(part, Operation) and part.sign == "<="]
+    def comparisons(self, name: str, sign: str) -> list[tuple[Any, ...]]:
+        """Both sides of every comparison with this sign in a definition."""
+        return [part.parts for part in self.parts(name) if isinstance(part, Operation) and part.sign == sign]
 
 
 def integral(f: Callable[[float], float]) -> Callable[[float], Callable[[float], float]]:

@@ -23,7 +23,7 @@ from gaincert.models.equations import angular_input, closed_loop, consensus_erro
 from gaincert.models.graph import Graph
 from gaincert.models.saturation import Saturation
 
-from tests.verify.gallina import Operation, Source
+from tests.verify.gallina import Source
 
 TEXT = (Path(__file__).parents[2] / "verify" / "formal" / "Statement.v").read_text()
 STATEMENT = Source(TEXT)
@@ -136,19 +136,14 @@ def test_speed_and_turn_rate_limits_ask_for_what_the_conditions_ask(here, fleet,
     n, asked = len(fleet), 1.3
     data = replace(fleet.condition_data(psi).map(floats), **{limit: np.full(n, asked)})
     inequality = condition(float_numbers(), data, gains)
-    ((small, large),) = [sides for sides in STATEMENT.at_most(bound) if "tanh" in str(sides)]
+    ((small, large),) = [sides for sides in STATEMENT.comparisons(bound, "<=") if "tanh" in str(sides)]
     same(n, lambda i: STATEMENT.evaluate(small, {"F": F, "i": i}), inequality.small)
     same(n, lambda i: STATEMENT.evaluate(large, {"F": F, "i": i, name: asked}), inequality.large)
 
 
-def conditions(name, sign):
-    """Both sides of every comparison with this sign in a definition."""
-    return [part.parts for part in STATEMENT.parts(name) if isinstance(part, Operation) and part.sign == sign]
-
-
 def test_a_set_of_vehicles_without_a_tie_is_one_that_no_path_joins_to_the_leader(random):
     """(A1): the weights that tie a set are positive for every nonempty set, or the program refuses the graph."""
-    ((_, tie),) = [sides for sides in conditions("A1", "<") if "sum" in str(sides)]
+    ((_, tie),) = [sides for sides in STATEMENT.comparisons("A1", "<") if "sum" in str(sides)]
     verdicts = set()
     for _ in range(200):
         n = int(random.integers(1, 6))
@@ -174,7 +169,7 @@ def test_bounds_window_and_level_of_psi_are_those_that_the_program_states(psi):
     F = {name: lambda _, f=f: lambda t: f.value(ops, t) for name, f in functions.items()}
     F |= {f"psi{n}": float(bound) for n, bound in enumerate((psi.bound, *psi.derivative_bounds))}
     F |= {"T": 2 * np.pi / float(psi.frequency), "mu": float(factor) * np.pi**power}
-    *bounds, (level, integral) = conditions("A3", "<=")[1:]
+    *bounds, (level, integral) = STATEMENT.comparisons("A3", "<=")[1:]
     for t in np.linspace(0, F["T"], 50):
         here = {"F": F, "i": 0, "t": t}
         for value, bound in bounds:

@@ -4,7 +4,7 @@
     at its peak at t = pi/5): W' is -0.037, the printed "upper bound" is -15.195. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation PaperFleet PaperWitness.
 Open Scope R_scope.
 
 Definition only_vehicle_2 (x other : R) (i : nat) : R := match i with 1%nat => x | _ => other end.
@@ -47,11 +47,8 @@ Theorem inequality_after_20_is_false_on_a_solution :
   exists t0 X l, 0 <= t0 /\ solution paper_fleet t0 X /\ is_derive (fun t => W paper_fleet (X t)) t0 l /\
     printed_bound_after_20 paper_fleet (X t0) + 15 < l.
 Proof.
-  destruct paper_fleet_meets_the_hypotheses as [H1 [H2 H3]].
-  assert (Ht0 : 0 <= PI / 5) by (pose proof PI_RGT_0; lra).
-  destruct (existence_holds paper_fleet H1 H2 H3 (PI / 5) turning_back Ht0) as [X [Hstart HX]].
-  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) (X (PI / 5))).
-  split; [exact Ht0|]. split; [exact HX|].
-  split; [apply (W_derivative paper_fleet (PI / 5) X (PI / 5) H1 H2 HX); lra|].
+  destruct (motion_at_the_peak turning_back) as [X [Hstart [HX HW]]].
+  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) turning_back). pose proof PI_RGT_0.
+  split; [lra|]. split; [exact HX|]. split; [exact HW|].
   rewrite Hstart. pose proof turning_back_W_rate. pose proof turning_back_printed. lra.
 Qed.

@@ -5,7 +5,7 @@
     W rises.  The paper's gains, graph and psi, the controller's own alpha. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation Existence PaperFleet PaperWitness.
+From Gaincert Require Import Statement Definitions Numerics Saturations EnergyDerivatives Formation PaperFleet PaperWitness.
 Open Scope R_scope.
 
 Definition vehicles_1_2 (x y other : R) (i : nat) : R := match i with 0%nat => x | 1%nat => y | _ => other end.
@@ -45,12 +45,8 @@ Theorem rotational_energy_rises_on_a_solution :
   exists t0 X l, 0 <= t0 /\ solution paper_fleet t0 X /\ 1 <= Rabs (om (X t0) 0%nat) /\
     is_derive (fun t => W paper_fleet (X t)) t0 l /\ 12 / 10 < l.
 Proof.
-  destruct paper_fleet_meets_the_hypotheses as [H1 [H2 H3]].
-  assert (Ht0 : 0 <= PI / 5) by (pose proof PI_RGT_0; lra).
-  destruct (existence_holds paper_fleet H1 H2 H3 (PI / 5) turning_pair Ht0) as [X [Hstart HX]].
-  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) (X (PI / 5))).
-  split; [exact Ht0|]. split; [exact HX|]. split.
-  - rewrite Hstart. simpl. rewrite Rabs_pos_eq; lra.
-  - split; [apply (W_derivative paper_fleet (PI / 5) X (PI / 5) H1 H2 HX); lra|].
-    rewrite Hstart. pose proof turning_pair_W_rate. lra.
+  destruct (motion_at_the_peak turning_pair) as [X [Hstart [HX HW]]].
+  exists (PI / 5), X, (W_rate paper_fleet (PI / 5) turning_pair). pose proof PI_RGT_0.
+  split; [lra|]. split; [exact HX|]. split; [rewrite Hstart; simpl; rewrite Rabs_pos_eq; lra|].
+  split; [exact HW|]. pose proof turning_pair_W_rate. lra.
 Qed.

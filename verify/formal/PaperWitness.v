@@ -3,7 +3,7 @@
     paper's fleet every quantity of the controller is then a closed number, which interval arithmetic bounds. *)
 From Coq Require Import Reals Lra.
 From Coquelicot Require Import Coquelicot.
-From Gaincert Require Import Statement Definitions Numerics Sums Saturations EnergyDerivatives Formation PaperFleet.
+From Gaincert Require Import Statement Definitions Numerics Sums Saturations EnergyDerivatives Formation Existence PaperFleet.
 Open Scope R_scope.
 
 Lemma displaced_alpha : forall F dx dy heading speed turn t i,
@@ -41,6 +41,17 @@ Qed.
 Lemma psi_at_its_peak : 24323282 / 10000000 <= paper_psi (PI / 5) <= 24323283 / 10000000.
 Proof.
   pose proof paper_psi_peak. pose proof (paper_psi_bound (PI / 5)) as Hbound. apply Rabs_le_between in Hbound. lra.
+Qed.
+
+(** From every state there is a motion of the paper's fleet when psi is at its peak, and W changes there at [W_rate]. *)
+Lemma motion_at_the_peak : forall s, exists X, X (PI / 5) = s /\ solution paper_fleet (PI / 5) X /\
+  is_derive (fun t => W paper_fleet (X t)) (PI / 5) (W_rate paper_fleet (PI / 5) s).
+Proof.
+  intros s. destruct paper_fleet_meets_the_hypotheses as [H1 [H2 H3]].
+  assert (Ht0 : 0 <= PI / 5) by (pose proof PI_RGT_0; lra).
+  destruct (existence_holds paper_fleet H1 H2 H3 (PI / 5) s Ht0) as [X [Hstart HX]].
+  exists X. split; [exact Hstart|]. split; [exact HX|].
+  rewrite <- Hstart. apply (W_derivative paper_fleet (PI / 5) X (PI / 5) H1 H2 HX); lra.
 Qed.
 
 (** Every tanh in the goal is that of 0, of x or of - x: call the second t. *)

@@ -67,7 +67,7 @@ class MissingToolError(Exception):
 
 
 def sources(folder: Path = FOLDER) -> dict[str, str]:
-    """The text of every source by its name without .v. Raises NotProvedError for a name that Coq would not take."""
+    """The text of every source by its name without .v. Raises NotProvedError for other names and other files."""
     found = {}
     for path in sorted(folder.glob("*.v")):
         if not path.is_file() or not re.fullmatch(r"[A-Za-z]\w*", path.stem, re.ASCII):
